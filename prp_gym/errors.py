@@ -1,0 +1,106 @@
+"""Every error that prp_gym raises on purpose: one root, facts as attributes, a message that helps.
+
+Each message says what was wrong, which value, in which unit, and what is allowed. The classes also
+derive from `ValueError`, so that code which knows nothing of this package can catch them.
+"""
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+
+class PRPError(Exception):
+    """Root of all errors raised by prp_gym."""
+
+
+class UnknownNameError(PRPError, ValueError):
+    """A name (environment id, law, scenario, option, field) that does not exist."""
+
+    def __init__(self, kind: str, name: object, valid: Iterable[str]) -> None:
+        self.kind = kind
+        self.name = name
+        self.valid = tuple(sorted(valid))
+        near = difflib.get_close_matches(str(name), self.valid, n=1)
+        hint = f" Did you mean {near[0]!r}?" if near else ""
+        listing = ", ".join(self.valid) if self.valid else "none"
+        super().__init__(f"unknown {kind} {name!r}.{hint} Valid: {listing}.")
+
+
+class InvalidValueError(PRPError, ValueError):
+    """A value outside what is allowed."""
+
+    def __init__(self, what: str, value: object, allowed: str, unit: str = "") -> None:
+        self.what = what
+        self.value = value
+        self.allowed = allowed
+        self.unit = unit
+        shown = f"{value!r} {unit}".rstrip()
+        super().__init__(f"{what} is {shown}; allowed: {allowed}.")
+
+
+class ShapeError(PRPError, ValueError):
+    """An array of the wrong shape."""
+
+    def __init__(self, what: str, shape: Sequence[int], expected: str) -> None:
+        self.what = what
+        self.shape = tuple(shape)
+        self.expected = expected
+        super().__init__(f"{what} has shape {self.shape}; expected {expected}.")
+
+
+class NonFiniteError(PRPError, ValueError):
+    """NaN or infinity where a finite number is needed; it never enters the physics."""
+
+    def __init__(self, what: str, value: object) -> None:
+        self.what = what
+        self.value = value
+        super().__init__(f"{what} is {value}; every component must be finite.")
+
+
+class JointLimitError(PRPError, ValueError):
+    """A joint value outside the joint's range."""
+
+    def __init__(self, what: str, joint: int, value: float, limits: tuple[float, float], unit: str) -> None:
+        self.what = what
+        self.joint = joint
+        self.value = value
+        self.limits = limits
+        self.unit = unit
+        super().__init__(
+            f"{what}: joint {joint} is {value:.6g} {unit};"
+            f" allowed: {limits[0]:.6g} to {limits[1]:.6g} {unit}."
+        )
+
+
+class UnreachableError(PRPError, ValueError):
+    """A tip position that no joint configuration within the limits attains."""
+
+    def __init__(self, position: Sequence[float], residual: float, broken: Sequence[str]) -> None:
+        self.position = tuple(position)
+        self.residual = residual
+        self.broken = tuple(broken)
+        point = ", ".join(f"{value:.6g}" for value in self.position)
+        super().__init__(
+            f"tip position ({point}) m in the world frame is out of reach: the closest configuration within"
+            f" the limits misses it by {residual:.6g} m; broken: {'; '.join(self.broken)}."
+        )
+
+
+class MissingFieldError(PRPError, ValueError):
+    """A control law on an observation that lacks what the law reads."""
+
+    def __init__(self, law: str, missing: Sequence[str], available: Sequence[str]) -> None:
+        self.law = law
+        self.missing = tuple(missing)
+        self.available = tuple(available)
+        super().__init__(
+            f"law {law!r} reads observation fields that this environment does not give:"
+            f" {', '.join(self.missing)}. Fields given: {', '.join(self.available)}."
+        )
+
+
+class EpisodeError(PRPError, RuntimeError):
+    """A call that the current state of the episode does not permit."""
+
+
+class RenderingError(PRPError, RuntimeError):
+    """A picture that cannot be drawn on this machine or in this mode."""

@@ -1,0 +1,166 @@
+"""`PRPArm`: the arm's kinematics and dynamics behind one name."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from prp_gym.robot.arrays import Array, apply, as_vectors, matrix_like
+from prp_gym.robot.dynamics import Dynamics
+from prp_gym.robot.newton_euler import recursive_newton_euler
+
+
+class OperationalSpaceDynamics(NamedTuple):
+    """B_A(x) ẍ + C_A ẋ + g_A(x) = u - u_e, in the coordinates of the pose.
+
+    Attributes:
+        inertia: B_A = J_A^{+T} B J_A^+, (..., 6, 6), of rank 3.
+        coriolis_force: C_A ẋ = (J_A^{+T} C - B_A J̇_A) q̇, (..., 6) [N, N, N, N m, N m, N m].
+        gravity_force: g_A = J_A^{+T} g, (..., 6) [N, N, N, N m, N m, N m].
+    """
+
+    inertia: Array
+    coriolis_force: Array
+    gravity_force: Array
+
+
+class PRPArm(Dynamics):
+    """The three-joint arm: joints 1 and 3 turn, joint 2 slides (the name PRP is historical).
+
+    Every method broadcasts over leading dimensions of its arguments and never changes them.
+
+    Args:
+        parameters: the arm; the nominal one by default.
+    """
+
+    def inverse_dynamics(
+        self,
+        joint_position: ArrayLike,
+        joint_velocity: ArrayLike,
+        joint_acceleration: ArrayLike,
+        contact_force: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Array:
+        """Joint torques of a motion, by the recursive Newton-Euler algorithm.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+            joint_velocity: (..., 3) [rad/s, m/s, rad/s].
+            joint_acceleration: (..., 3) [rad/s^2, m/s^2, rad/s^2].
+            contact_force: (..., 3) force by the tip on the environment, world frame [N].
+
+        Returns:
+            (..., 3) [N m, N, N m].
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 7.5.2.
+        """
+        q, velocity, acceleration, force = np.broadcast_arrays(
+            as_vectors(joint_position, "joint_position"),
+            as_vectors(joint_velocity, "joint_velocity"),
+            as_vectors(joint_acceleration, "joint_acceleration"),
+            as_vectors(contact_force, "contact_force"),
+        )
+        return recursive_newton_euler(self, q, velocity, acceleration, force) + self.friction_force(velocity)
+
+    def operational_space_dynamics(
+        self, joint_position: ArrayLike, joint_velocity: ArrayLike
+    ) -> OperationalSpaceDynamics:
+        """The dynamic model in operational space; friction is left out.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+            joint_velocity: (..., 3) [rad/s, m/s, rad/s].
+
+        Returns:
+            inertia (..., 6, 6), Coriolis and gravity forces (..., 6). J_A has full column rank
+            everywhere, so that the pseudoinverse is always defined.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 7.8; [R] 5.1.
+        """
+        q, velocity = self._state(joint_position, joint_velocity)
+        inverse = np.linalg.pinv(self.analytical_jacobian(q))
+        transposed = np.swapaxes(inverse, -1, -2)
+        inertia = transposed @ self.inertia_matrix(q) @ inverse
+        coriolis = apply(transposed, apply(self.coriolis_matrix(q, velocity), velocity))
+        drift = apply(self.analytical_jacobian_derivative(q, velocity), velocity)
+        return OperationalSpaceDynamics(
+            inertia, coriolis - apply(inertia, drift), apply(transposed, self.gravity_vector(q))
+        )
+
+    def regressor(
+        self,
+        joint_position: ArrayLike,
+        joint_velocity: ArrayLike,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike,
+    ) -> Array:
+        """Y with B q̈_r + C(q, q̇) q̇_r + F_v q̇_r + F_s sign(q̇_r) + g = Y Θ.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+            joint_velocity: (..., 3) [rad/s, m/s, rad/s].
+            reference_velocity: q̇_r (..., 3) [rad/s, m/s, rad/s].
+            reference_acceleration: q̈_r (..., 3) [rad/s^2, m/s^2, rad/s^2].
+
+        Returns:
+            (..., 3, 12): columns as in `parameter_vector`.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 7.2.2, 8.5.4.
+        """
+        q, w, r, a = np.broadcast_arrays(
+            as_vectors(joint_position, "joint_position"),
+            as_vectors(joint_velocity, "joint_velocity"),
+            as_vectors(reference_velocity, "reference_velocity"),
+            as_vectors(reference_acceleration, "reference_acceleration"),
+        )
+        geometry, g = self.parameters.geometry, self.parameters.gravity
+        a_1, u = geometry.first_link_offset, q[..., 1] + geometry.slide_offset
+        s, c = np.sin(q[..., 2]), np.cos(q[..., 2])
+        w_1, v_2, w_3 = w[..., 0], w[..., 1], w[..., 2]
+        r_1, r_2, r_3 = r[..., 0], r[..., 1], r[..., 2]
+        a_r1, a_r2, a_r3 = a[..., 0], a[..., 1], a[..., 2]
+        Y = matrix_like(q, 3, 12)
+        Y[..., 0, 0] = a_r1
+        Y[..., 0, 1] = u**2 * a_r1 - a_1 * a_r2 + u * (v_2 * r_1 + w_1 * r_2)
+        Y[..., 1, 1] = a_r2 - a_1 * a_r1 - u * w_1 * r_1
+        Y[..., 0, 2] = -2 * u * a_r1 - (v_2 * r_1 + w_1 * r_2)
+        Y[..., 1, 2] = w_1 * r_1
+        Y[..., 0, 3] = (
+            2 * u * c * a_r1
+            + a_1 * s * a_r3
+            + c * (v_2 * r_1 + w_1 * r_2)
+            - s * u * (w_3 * r_1 + w_1 * r_3)
+            + a_1 * c * w_3 * r_3
+        )
+        Y[..., 1, 3] = -s * a_r3 - c * (w_1 * r_1 + w_3 * r_3)
+        Y[..., 2, 3] = a_1 * s * a_r1 - s * a_r2 + s * u * w_1 * r_1 + g * c
+        Y[..., 0, 4] = c**2 * a_r1 - s * c * (w_3 * r_1 + w_1 * r_3)
+        Y[..., 2, 4] = s * c * w_1 * r_1
+        Y[..., 2, 5] = a_r3
+        Y[..., [0, 1, 2], [6, 7, 8]] = r
+        Y[..., [0, 1, 2], [9, 10, 11]] = np.sign(r)
+        return Y
+
+    def parameter_vector(self) -> Array:
+        """Θ (12): the six base parameters, then F_v (3) and F_s (3); units as in their declarations."""
+        base = self.base_parameters
+        return np.array(
+            [
+                base.first_axis,
+                base.slide_mass,
+                base.second_moment,
+                base.third_moment,
+                base.third_spread,
+                base.third_axis,
+                *self.parameters.viscous_friction,
+                *self.parameters.coulomb_friction,
+            ]
+        )

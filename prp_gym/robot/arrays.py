@@ -1,0 +1,36 @@
+"""The one place where joint vectors and tip positions are converted and their shape is checked."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from prp_gym.errors import ShapeError
+
+Array = NDArray[np.float64]
+
+
+def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
+    """`values` as a float64 array whose last axis has `size` components.
+
+    Raises:
+        ShapeError: another last axis.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != size:
+        raise ShapeError(what, array.shape, f"(..., {size})")
+    return array
+
+
+def matrix_like(reference: Array, rows: int, columns: int) -> Array:
+    """Zeros of shape `reference`'s leading dimensions + (rows, columns)."""
+    return np.zeros((*reference.shape[:-1], rows, columns))
+
+
+def apply(matrix: Array, vector: Array) -> Array:
+    """Matrix times vector over leading dimensions: (..., m, n), (..., n) -> (..., m)."""
+    product: Array = np.matmul(matrix, vector[..., None])[..., 0]
+    return product
+
+
+def apply_transposed(matrix: Array, vector: Array) -> Array:
+    """Transposed matrix times vector: (..., m, n), (..., m) -> (..., n)."""
+    return apply(np.swapaxes(matrix, -1, -2), vector)

@@ -1,0 +1,126 @@
+"""Inverse kinematics of the tip position: all four branches, and the one nearest to a seed."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from prp_gym.errors import UnreachableError
+from prp_gym.robot.arrays import Array, as_vectors
+from prp_gym.robot.kinematics import Kinematics
+from prp_gym.robot.parameters import JOINT_UNITS
+
+_LIMIT_TOLERANCE = 1e-9  # [rad] or [m]: rounding of a point that lies exactly on a limit
+_COS_3_SIGNS = np.array([1.0, 1.0, -1.0, -1.0])
+_REACH_SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
+
+
+def branches(kinematics: Kinematics, tip_position: Array) -> Array:
+    """The four solutions of the position equations, limits ignored.
+
+    Where a square root has no real value the solution is that of the nearest real one, so that it
+    misses the point; compare forward kinematics with the point to tell.
+
+    Args:
+        kinematics: the arm.
+        tip_position: (..., 3) in the world frame [m].
+
+    Returns:
+        (..., 4, 3) [rad, m, rad]; the branches are (sign C_3, sign L) = ++, +-, -+, --.
+
+    Source: [R] 1.3, with its misprints corrected.
+    """
+    geometry = kinematics.parameters.geometry
+    a_1, a_3 = geometry.first_link_offset, geometry.third_link_length
+    x, y, z = (tip_position[..., None, axis] for axis in range(3))
+    sin_3 = np.clip((z - geometry.base_height) / a_3, -1.0, 1.0)
+    cos_3 = _COS_3_SIGNS * np.sqrt(1.0 - sin_3**2)
+    reach = _REACH_SIGNS * np.sqrt(np.maximum(x**2 + y**2 - a_1**2, 0.0))
+    joints = np.empty((*tip_position.shape[:-1], 4, 3))
+    joints[..., 0] = np.arctan2(reach * x + a_1 * y, a_1 * x - reach * y)
+    joints[..., 1] = reach - geometry.slide_offset - a_3 * cos_3
+    joints[..., 2] = np.arctan2(np.broadcast_to(sin_3, cos_3.shape), cos_3)
+    return joints
+
+
+class InverseKinematics(Kinematics):
+    """Joint positions that put the tip at a point."""
+
+    def inverse_kinematics_branches(self, tip_position: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
+        """All joint positions that attain a point within the joint limits.
+
+        Args:
+            tip_position: (..., 3) in the world frame [m].
+
+        Returns:
+            joint positions (..., 4, 3) [rad, m, rad], and whether each one attains the point within the
+            limits (..., 4). Branches: (sign C_3, sign L) = ++, +-, -+, --.
+
+        Raises:
+            ShapeError: not three components.
+        """
+        point = as_vectors(tip_position, "tip_position")
+        joints = branches(self, point)
+        low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
+        inside = (joints >= low - _LIMIT_TOLERANCE) & (joints <= high + _LIMIT_TOLERANCE)
+        within = np.logical_and.reduce(inside, axis=-1)
+        missed = np.abs(self.forward_kinematics(joints)[..., :3] - point[..., None, :]).max(axis=-1)
+        joints = np.where(within[..., None], np.clip(joints, low, high), joints)
+        return joints, within & (missed < _LIMIT_TOLERANCE)
+
+    def inverse_kinematics(self, tip_position: ArrayLike, seed: ArrayLike) -> Array:
+        """The joint position that attains a point and lies nearest to a seed.
+
+        Args:
+            tip_position: (..., 3) in the world frame [m].
+            seed: (..., 3) [rad, m, rad]; nearness is measured in fractions of the joint ranges.
+
+        Returns:
+            (..., 3) [rad, m, rad], within the joint limits.
+
+        Raises:
+            ShapeError: not three components.
+            UnreachableError: no branch attains the point within the limits; it carries the distance
+                [m] by which the closest configuration misses and the limits that were broken.
+        """
+        point = as_vectors(tip_position, "tip_position")
+        start = as_vectors(seed, "seed")
+        joints, valid = self.inverse_kinematics_branches(point)
+        reachable = valid.any(axis=-1)
+        if not reachable.all():
+            raise self._unreachable(point[~reachable][0])
+        span = np.array(self.parameters.joint_upper) - np.array(self.parameters.joint_lower)
+        distance = np.square((joints - start[..., None, :]) / span).sum(axis=-1)
+        best = np.where(valid, distance, np.inf).argmin(axis=-1)
+        chosen: Array = np.take_along_axis(joints, best[..., None, None], axis=-2)[..., 0, :]
+        return chosen
+
+    def _unreachable(self, point: Array) -> UnreachableError:
+        low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
+        joints = branches(self, point)
+        clipped = np.clip(joints, low, high)
+        misses = np.linalg.norm(self.forward_kinematics(clipped)[..., :3] - point, axis=-1)
+        best = int(misses.argmin())
+        return UnreachableError(
+            point.tolist(), float(misses[best]), self._broken_limits(point, joints[best], low, high)
+        )
+
+    def _broken_limits(self, point: Array, joint: Array, low: Array, high: Array) -> list[str]:
+        geometry = self.parameters.geometry
+        broken = []
+        height = point[2] - geometry.base_height
+        if abs(height) > geometry.third_link_length:
+            broken.append(
+                f"height {point[2]:.6g} m is not within {geometry.third_link_length:g} m"
+                f" of {geometry.base_height:g} m"
+            )
+        radius = float(np.hypot(point[0], point[1]))
+        if radius < geometry.first_link_offset:
+            broken.append(
+                f"distance {radius:.6g} m from joint 1's axis is below {geometry.first_link_offset:g} m"
+            )
+        for index, unit in enumerate(JOINT_UNITS):
+            if not low[index] - _LIMIT_TOLERANCE <= joint[index] <= high[index] + _LIMIT_TOLERANCE:
+                broken.append(
+                    f"joint {index + 1} would be {joint[index]:.6g} {unit}, allowed {low[index]:.6g} to"
+                    f" {high[index]:.6g} {unit}"
+                )
+        return broken

@@ -1,0 +1,238 @@
+"""Forward kinematics and Jacobians, in closed form over any leading dimensions.
+
+Symbols: S_i = sin q_i, C_i = cos q_i, L = q_2 + d̄_2 + a_3 C_3. World frame: z up, joint 1's axis is z.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from prp_gym.robot.arrays import Array, as_vectors, matrix_like
+from prp_gym.robot.parameters import NOMINAL, RobotParameters
+
+
+class _Trigonometry(NamedTuple):
+    sin_1: Array
+    cos_1: Array
+    sin_3: Array
+    cos_3: Array
+    reach: Array
+
+
+class Kinematics:
+    """Where the arm's frames and tip are, and how they move.
+
+    Args:
+        parameters: the arm; lengths are read from its geometry.
+
+    Source: [S] 2.8, 3.1, 3.6; [R] 1.
+    """
+
+    def __init__(self, parameters: RobotParameters = NOMINAL) -> None:
+        self.parameters = parameters
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self.parameters == vars(other)["parameters"]
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.parameters))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.parameters!r})"
+
+    def _trigonometry(self, q: Array) -> _Trigonometry:
+        geometry = self.parameters.geometry
+        sine, cosine = np.sin(q), np.cos(q)
+        cos_3 = cosine[..., 2]
+        reach = q[..., 1] + geometry.slide_offset + geometry.third_link_length * cos_3
+        return _Trigonometry(sine[..., 0], cosine[..., 0], sine[..., 2], cos_3, reach)
+
+    def forward_kinematics(self, joint_position: ArrayLike) -> Array:
+        """Pose of the end effector.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+
+        Returns:
+            (..., 6): tip position in the world frame [m], ZXZ Euler angles α, β, γ [rad], with
+            α = q_1, β = π/2 - q_3, γ = π/2.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [R] 1.2, 1.3.
+        """
+        q = as_vectors(joint_position, "joint_position")
+        geometry = self.parameters.geometry
+        trig = self._trigonometry(q)
+        pose = np.empty((*q.shape[:-1], 6))
+        pose[..., 0] = trig.reach * trig.sin_1 + geometry.first_link_offset * trig.cos_1
+        pose[..., 1] = -trig.reach * trig.cos_1 + geometry.first_link_offset * trig.sin_1
+        pose[..., 2] = geometry.base_height + geometry.third_link_length * trig.sin_3
+        pose[..., 3] = q[..., 0]
+        pose[..., 4] = math.pi / 2 - q[..., 2]
+        pose[..., 5] = math.pi / 2
+        return pose
+
+    def transforms(self, joint_position: ArrayLike) -> Array:
+        """Every Denavit-Hartenberg frame in the world frame.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+
+        Returns:
+            (..., 5, 4, 4): homogeneous transforms of frames 0 (joint 1), 1, 2, 3 and 4 (end effector);
+            translations in [m].
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 2.8.2; the table in [R] 1.1.
+        """
+        q = as_vectors(joint_position, "joint_position")
+        frames = np.empty((*q.shape[:-1], 5, 4, 4))
+        current = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
+        for index, link in enumerate(self._denavit_hartenberg_rows(q)):
+            current = current @ link
+            frames[..., index, :, :] = current
+        return frames
+
+    def _denavit_hartenberg_rows(self, q: Array) -> list[Array]:
+        geometry = self.parameters.geometry
+        zero = np.zeros(q.shape[:-1])
+        right = zero + math.pi / 2
+        slide = geometry.slide_offset + q[..., 1]
+        table = (
+            (0.0, 0.0, zero + geometry.base_height, zero),
+            (geometry.first_link_offset, math.pi / 2, zero, q[..., 0]),
+            (0.0, -math.pi / 2, slide, right),
+            (geometry.third_link_length, 0.0, zero, q[..., 2] - math.pi / 2),
+            (0.0, math.pi / 2, zero, right),
+        )
+        return [_denavit_hartenberg_transform(*row) for row in table]
+
+    def analytical_jacobian(self, joint_position: ArrayLike) -> Array:
+        """J_A with ẋ = J_A q̇ for the pose x of `forward_kinematics`.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+
+        Returns:
+            (..., 6, 3), rows as in the pose, columns as the joints [m/rad, 1, m/rad; 1, rad/m, 1].
+            Full column rank everywhere; its position part is singular at q_3 = ±π/2 and at L = 0.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 3.6; [R] 1.4.
+        """
+        q = as_vectors(joint_position, "joint_position")
+        J_A = matrix_like(q, 6, 3)
+        self._fill_linear_rows(q, J_A)
+        J_A[..., 3, 0] = 1.0
+        J_A[..., 4, 2] = -1.0
+        return J_A
+
+    def geometric_jacobian(self, joint_position: ArrayLike) -> Array:
+        """J_G with (ṗ, ω) = J_G q̇; the linear rows equal those of J_A.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+
+        Returns:
+            (..., 6, 3): linear rows [m/rad, 1, m/rad], then angular rows, both in the world frame.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 3.1; [R] 1.5.
+        """
+        q = as_vectors(joint_position, "joint_position")
+        J_G = matrix_like(q, 6, 3)
+        self._fill_linear_rows(q, J_G)
+        J_G[..., 3, 2] = -np.cos(q[..., 0])
+        J_G[..., 4, 2] = -np.sin(q[..., 0])
+        J_G[..., 5, 0] = 1.0
+        return J_G
+
+    def _fill_linear_rows(self, q: Array, jacobian: Array) -> None:
+        a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
+        trig = self._trigonometry(q)
+        jacobian[..., 0, 0] = trig.reach * trig.cos_1 - a_1 * trig.sin_1
+        jacobian[..., 0, 1] = trig.sin_1
+        jacobian[..., 0, 2] = -a_3 * trig.sin_1 * trig.sin_3
+        jacobian[..., 1, 0] = trig.reach * trig.sin_1 + a_1 * trig.cos_1
+        jacobian[..., 1, 1] = -trig.cos_1
+        jacobian[..., 1, 2] = a_3 * trig.cos_1 * trig.sin_3
+        jacobian[..., 2, 2] = a_3 * trig.cos_3
+
+    def analytical_jacobian_derivative(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
+        """Time derivative of J_A along a motion: ẍ = J_A q̈ + J̇_A q̇.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+            joint_velocity: (..., 3) [rad/s, m/s, rad/s].
+
+        Returns:
+            (..., 6, 3), the units of J_A per second; the angular rows are zero.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: derivative of [R] 1.4 (its printed J̇_A has misplaced dots).
+        """
+        q = as_vectors(joint_position, "joint_position")
+        velocity = as_vectors(joint_velocity, "joint_velocity")
+        q, velocity = np.broadcast_arrays(q, velocity)
+        a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
+        s_1, c_1, s_3, c_3, reach = self._trigonometry(q)
+        w_1, v_2, w_3 = velocity[..., 0], velocity[..., 1], velocity[..., 2]
+        reach_rate = v_2 - a_3 * s_3 * w_3
+        derivative = matrix_like(q, 6, 3)
+        derivative[..., 0, 0] = reach_rate * c_1 - (reach * s_1 + a_1 * c_1) * w_1
+        derivative[..., 0, 1] = c_1 * w_1
+        derivative[..., 0, 2] = -a_3 * (c_1 * s_3 * w_1 + s_1 * c_3 * w_3)
+        derivative[..., 1, 0] = reach_rate * s_1 + (reach * c_1 - a_1 * s_1) * w_1
+        derivative[..., 1, 1] = s_1 * w_1
+        derivative[..., 1, 2] = a_3 * (c_1 * c_3 * w_3 - s_1 * s_3 * w_1)
+        derivative[..., 2, 2] = -a_3 * s_3 * w_3
+        return derivative
+
+    def euler_rate_map(self, joint_position: ArrayLike) -> Array:
+        """T_A with J_G = T_A J_A, for the arm's constant γ.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+
+        Returns:
+            (..., 6, 6); it maps (ṗ, α̇, β̇, γ̇) to (ṗ, ω) on the motions that the arm can make. Rank 5:
+            the γ column is zero, since γ never moves.
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [R] 1.6.
+        """
+        q = as_vectors(joint_position, "joint_position")
+        T_A = matrix_like(q, 6, 6)
+        T_A[..., [0, 1, 2], [0, 1, 2]] = 1.0
+        T_A[..., 3, 4] = np.cos(q[..., 0])
+        T_A[..., 4, 4] = np.sin(q[..., 0])
+        T_A[..., 5, 3] = 1.0
+        return T_A
+
+
+def _denavit_hartenberg_transform(a: float, alpha: float, d: Array, theta: Array) -> Array:
+    """T_{i-1}^i of one row of the table, (..., 4, 4)."""
+    sine, cosine = np.sin(theta), np.cos(theta)
+    sin_alpha, cos_alpha = math.sin(alpha), math.cos(alpha)
+    transform = np.zeros((*theta.shape, 4, 4))
+    transform[..., 0, 0], transform[..., 0, 1] = cosine, -sine * cos_alpha
+    transform[..., 0, 2], transform[..., 0, 3] = sine * sin_alpha, a * cosine
+    transform[..., 1, 0], transform[..., 1, 1] = sine, cosine * cos_alpha
+    transform[..., 1, 2], transform[..., 1, 3] = -cosine * sin_alpha, a * sine
+    transform[..., 2, 1], transform[..., 2, 2], transform[..., 2, 3] = sin_alpha, cos_alpha, d
+    transform[..., 3, 3] = 1.0
+    return transform

@@ -1,0 +1,214 @@
+"""The arm's geometry, masses, inertias and limits: the one source of every model of it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+from prp_gym.errors import InvalidValueError
+
+Vector3 = tuple[float, float, float]
+
+JOINT_UNITS = ("rad", "m", "rad")
+TORQUE_UNITS = ("N·m", "N", "N·m")
+
+
+@dataclass(frozen=True)
+class ArmGeometry:
+    """Lengths of the arm [m]; the symbols are those of the Denavit-Hartenberg table.
+
+    Attributes:
+        base_height: d_0, height of joint 1's frame above the floor.
+        first_link_offset: a_1, from joint 1's axis to the slide.
+        slide_offset: d̄_2, extension of the slide at q_2 = 0.
+        third_link_length: a_3, from joint 3's axis to the tip.
+        first_link_radius: r_1 of the solid cylinder.
+        first_link_cylinder_length: h_1; the cylinder spans hub to slide housing.
+        first_link_center_of_mass: c_1, from joint 1's axis along the link.
+        second_link_length: a_2, long side of the box, along the slide.
+        second_link_width: b_2, horizontal side across the slide.
+        second_link_height: c_2 (a length here), vertical side.
+        third_link_radius: r_3 of the solid cylinder.
+        third_link_cylinder_length: h_3 of the solid cylinder, which ends at the tip.
+    """
+
+    base_height: float = 0.15
+    first_link_offset: float = 0.40
+    slide_offset: float = 0.30
+    third_link_length: float = 0.24
+    first_link_radius: float = 0.02
+    first_link_cylinder_length: float = 0.35
+    first_link_center_of_mass: float = 0.20
+    second_link_length: float = 0.30
+    second_link_width: float = 0.03
+    second_link_height: float = 0.03
+    third_link_radius: float = 0.02
+    third_link_cylinder_length: float = 0.24
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (math.isfinite(value) and value > 0.0):
+                raise InvalidValueError(name, value, "a positive length", "m")
+
+    @property
+    def second_link_center_of_mass(self) -> float:
+        """Distance from link 2's outer end back to its centre of mass (a_2/2) [m]."""
+        return self.second_link_length / 2
+
+    @property
+    def third_link_center_of_mass(self) -> float:
+        """Distance from joint 3's axis to link 3's centre of mass [m]."""
+        return self.third_link_length - self.third_link_cylinder_length / 2
+
+    def volumes(self) -> Vector3:
+        """Volume of each link's solid [m^3]."""
+        return (
+            math.pi * self.first_link_radius**2 * self.first_link_cylinder_length,
+            self.second_link_length * self.second_link_width * self.second_link_height,
+            math.pi * self.third_link_radius**2 * self.third_link_cylinder_length,
+        )
+
+    def inertias(self, masses: Vector3) -> tuple[Vector3, Vector3, Vector3]:
+        """Principal moments of inertia of solids of the given masses [kg m^2].
+
+        About each link's centre of mass, along its link frame: the frame whose axes coincide with the
+        world's at q = 0, so that link 1 lies along x, links 2 and 3 along y.
+        """
+        first_axial, first_across = _cylinder(
+            masses[0], self.first_link_radius, self.first_link_cylinder_length
+        )
+        third_axial, third_across = _cylinder(
+            masses[2], self.third_link_radius, self.third_link_cylinder_length
+        )
+        a, b, c = self.second_link_length, self.second_link_width, self.second_link_height
+        box = masses[1] / 12
+        return (
+            (first_axial, first_across, first_across),
+            (box * (a**2 + c**2), box * (b**2 + c**2), box * (a**2 + b**2)),
+            (third_across, third_axial, third_across),
+        )
+
+
+def _cylinder(mass: float, radius: float, length: float) -> tuple[float, float]:
+    """Moments of inertia of a solid cylinder along and across its axis [kg m^2]."""
+    return mass * radius**2 / 2, mass * (3 * radius**2 + length**2) / 12
+
+
+ALUMINIUM_DENSITY = 2710.0
+_GEOMETRY = ArmGeometry()
+_MASS: Vector3 = (
+    ALUMINIUM_DENSITY * _GEOMETRY.volumes()[0],
+    ALUMINIUM_DENSITY * _GEOMETRY.volumes()[1],
+    ALUMINIUM_DENSITY * _GEOMETRY.volumes()[2],
+)
+
+
+@dataclass(frozen=True)
+class RobotParameters:
+    """Everything that the closed-form model, the MuJoCo model and the URDF are generated from.
+
+    The defaults are the nominal arm. Joint order (1, 2, 3); joints 1 and 3 turn, joint 2 slides.
+
+    Attributes:
+        geometry: lengths [m].
+        link_mass: (3) [kg].
+        link_inertia: per link its principal moments (x, y, z) about the centre of mass, in the link
+            frame, whose axes coincide with the world's at q = 0 [kg m^2].
+        gravity: magnitude of gravity, along -z [m/s^2].
+        viscous_friction: F_v (3) [N m s/rad, N s/m, N m s/rad].
+        coulomb_friction: F_s (3) [N m, N, N m].
+        joint_lower: (3) [rad, m, rad].
+        joint_upper: (3) [rad, m, rad].
+        torque_limit: actuator limits (3) [N m, N, N m].
+
+    Raises:
+        InvalidValueError: a mass or inertia that is not positive, inertias no solid can have, negative
+            friction, an empty joint range.
+    """
+
+    geometry: ArmGeometry = field(default_factory=ArmGeometry)
+    link_mass: Vector3 = _MASS
+    link_inertia: tuple[Vector3, Vector3, Vector3] = _GEOMETRY.inertias(_MASS)
+    gravity: float = 9.81
+    viscous_friction: Vector3 = (0.0, 0.0, 0.0)
+    coulomb_friction: Vector3 = (0.0, 0.0, 0.0)
+    joint_lower: Vector3 = (-math.pi, -0.3, -math.pi)
+    joint_upper: Vector3 = (math.pi, 0.0, math.pi)
+    torque_limit: Vector3 = (50.0, 100.0, 10.0)
+
+    def __post_init__(self) -> None:
+        for name, unit in (("link_mass", "kg"), ("torque_limit", "/".join(TORQUE_UNITS))):
+            _require(name, getattr(self, name), unit, minimum=0.0, strict=True)
+        for name in ("viscous_friction", "coulomb_friction"):
+            _require(name, getattr(self, name), "N·m·s/rad", minimum=0.0, strict=False)
+        for index, moments in enumerate(self.link_inertia, start=1):
+            _require(f"link_inertia of link {index}", moments, "kg·m²", minimum=0.0, strict=True)
+            if 2 * max(moments) > sum(moments) * (1 + 1e-12):
+                raise InvalidValueError(
+                    f"link_inertia of link {index}", moments, "no moment above the sum of the others", "kg·m²"
+                )
+        if not math.isfinite(self.gravity):
+            raise InvalidValueError("gravity", self.gravity, "a finite number", "m/s²")
+        if not all(low < high for low, high in zip(self.joint_lower, self.joint_upper, strict=True)):
+            raise InvalidValueError("joint_upper", self.joint_upper, f"above joint_lower {self.joint_lower}")
+
+    @classmethod
+    def from_geometry(cls, geometry: ArmGeometry, density: float = ALUMINIUM_DENSITY) -> Self:
+        """Parameters of solid links of one density [kg/m^3] with the given lengths."""
+        first, second, third = (density * volume for volume in geometry.volumes())
+        masses = (first, second, third)
+        return cls(geometry=geometry, link_mass=masses, link_inertia=geometry.inertias(masses))
+
+    def with_masses(self, masses: Sequence[float]) -> Self:
+        """The same shapes with other link masses (3) [kg]; the inertias scale with the masses."""
+        return self.scaled([new / old for new, old in zip(masses, self.link_mass, strict=True)])
+
+    def scaled(self, factors: Sequence[float]) -> Self:
+        """Masses and inertias multiplied by a factor per link (3), as for a link of another density."""
+        f1, f2, f3 = (float(factor) for factor in factors)
+        m1, m2, m3 = self.link_mass
+        i1, i2, i3 = self.link_inertia
+        return replace(
+            self,
+            link_mass=(m1 * f1, m2 * f2, m3 * f3),
+            link_inertia=(
+                (i1[0] * f1, i1[1] * f1, i1[2] * f1),
+                (i2[0] * f2, i2[1] * f2, i2[2] * f2),
+                (i3[0] * f3, i3[1] * f3, i3[2] * f3),
+            ),
+        )
+
+
+def _require(name: str, values: Sequence[float], unit: str, *, minimum: float, strict: bool) -> None:
+    if len(values) != 3:
+        raise InvalidValueError(name, tuple(values), "three numbers", unit)
+    for value in values:
+        if not math.isfinite(value) or value < minimum or (strict and value == minimum):
+            allowed = f"{'above' if strict else 'at least'} {minimum:g}"
+            raise InvalidValueError(name, tuple(values), allowed, unit)
+
+
+def _report_parameters() -> RobotParameters:
+    """The report's inertia numbers, errors included: what its printed matrices were computed with.
+
+    Its tensors take 1/2 for 1/12 across a cylinder's axis and are shifted to the joint frame although
+    they are used with the Jacobian of the centre of mass, so that m h²/4 counts twice; the moment that
+    it uses for the slide is the one about the slide's long axis.
+    """
+    nominal = RobotParameters()
+    geometry, (m1, _, m3) = nominal.geometry, nominal.link_mass
+    (axial_1, _, _), (_, slide, _), (_, axial_3, _) = nominal.link_inertia
+    across_1 = m1 * (1.5 * geometry.first_link_radius**2 + 0.75 * geometry.first_link_cylinder_length**2)
+    across_3 = m3 * (1.5 * geometry.third_link_radius**2 + 0.75 * geometry.third_link_cylinder_length**2)
+    return replace(
+        nominal,
+        link_inertia=(
+            (axial_1, across_1, across_1),
+            (slide, slide, slide),
+            (across_3, axial_3, across_3),
+        ),
+    )
+
+
+NOMINAL = RobotParameters()
+REPORT = _report_parameters()
