@@ -1,0 +1,193 @@
+"""Pictures of one simulation: MuJoCo's own renderer and viewer, with marks for what the task is about."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, RenderingError, UnknownNameError
+from prp_gym.physics.mjcf import CAMERAS
+from prp_gym.robot.arrays import Array
+
+Color = tuple[float, float, float, float]
+
+GOAL_COLOR: Color = (0.10, 0.65, 0.25, 0.75)
+PATH_COLOR: Color = (0.15, 0.40, 0.85, 0.80)
+FORCE_COLOR: Color = (0.90, 0.15, 0.10, 1.0)
+
+_MOST_MARKS = 1000
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball in the world frame: centre (3) [m], radius [m]."""
+
+    center: Array
+    radius: float
+    color: Color
+
+
+@dataclass(frozen=True)
+class Path:
+    """A line through points (k, 3) in the world frame [m]."""
+
+    points: Array
+    width: float
+    color: Color
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """An arrow from a point along a vector, both (3) in the world frame [m]."""
+
+    start: Array
+    vector: Array
+    width: float
+    color: Color
+
+
+Mark = Ball | Path | Arrow
+
+
+def add_marks(scene: mujoco.MjvScene, marks: Sequence[Mark]) -> None:
+    """Append marks to a scene; what no longer fits into it is left out."""
+    for mark in marks:
+        match mark:
+            case Ball():
+                size = np.full(3, mark.radius)
+                _add_geom(scene, mujoco.mjtGeom.mjGEOM_SPHERE, size, mark.center, mark.color)
+            case Path():
+                for start, end in zip(mark.points[:-1], mark.points[1:], strict=True):
+                    _add_connector(scene, mujoco.mjtGeom.mjGEOM_CAPSULE, mark.width, start, end, mark.color)
+            case Arrow():
+                end = mark.start + mark.vector
+                _add_connector(scene, mujoco.mjtGeom.mjGEOM_ARROW, mark.width, mark.start, end, mark.color)
+
+
+def _add_geom(scene: mujoco.MjvScene, kind: Any, size: Array, position: Array, color: Color) -> Any:
+    if scene.ngeom >= scene.maxgeom:
+        return None
+    geom = scene.geoms[scene.ngeom]
+    scene.ngeom += 1
+    rgba = np.array(color, dtype=np.float32)
+    mujoco.mjv_initGeom(geom, kind, size, np.asarray(position, dtype=np.float64), np.eye(3).ravel(), rgba)
+    return geom
+
+
+def _add_connector(
+    scene: mujoco.MjvScene, kind: Any, width: float, start: Array, end: Array, color: Color
+) -> None:
+    geom = _add_geom(scene, kind, np.zeros(3), np.zeros(3), color)
+    if geom is not None:
+        mujoco.mjv_connector(geom, kind, width, np.asarray(start), np.asarray(end))
+
+
+class OffscreenRenderer:
+    """Colour and depth pictures without a window.
+
+    Args:
+        model: of the simulation to show.
+        width: of the picture [pixels].
+        height: of the picture [pixels].
+        camera: `overview` or `top`.
+
+    Raises:
+        RenderingError: no way to draw on this machine.
+        UnknownNameError: no such camera.
+        InvalidValueError: a size that is not positive.
+    """
+
+    def __init__(self, model: mujoco.MjModel, width: int, height: int, camera: str) -> None:
+        check_view(width, height, camera)
+        model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
+        model.vis.global_.offheight = max(height, model.vis.global_.offheight)
+        self._camera = camera
+        try:
+            self._renderer = mujoco.Renderer(model, height, width, max_geom=_MOST_MARKS)
+        except (RuntimeError, AttributeError, mujoco.FatalError) as error:
+            raise RenderingError(
+                f"MuJoCo can open no drawing context here ({error}). Without a display set MUJOCO_GL=egl (or"
+                " osmesa) before mujoco is first imported, and install Mesa's EGL library (Debian: libegl1)."
+            ) from error
+
+    def draw(
+        self, data: mujoco.MjData, marks: Sequence[Mark], kind: Literal["rgb_array", "depth_array"]
+    ) -> NDArray[Any]:
+        """One picture.
+
+        Args:
+            data: the state to show.
+            marks: what to draw beside the model.
+            kind: colours or depth.
+
+        Returns:
+            (height, width, 3) uint8, or (height, width) float32 distance from the camera [m].
+        """
+        if kind == "depth_array":
+            self._renderer.enable_depth_rendering()
+        else:
+            self._renderer.disable_depth_rendering()
+        self._renderer.update_scene(data, camera=self._camera)
+        add_marks(self._renderer.scene, marks)
+        picture: NDArray[Any] = self._renderer.render().copy()
+        return picture
+
+    def close(self) -> None:
+        """Free the drawing context."""
+        self._renderer.close()
+
+
+class WindowRenderer:
+    """MuJoCo's interactive viewer in a window of its own.
+
+    Args:
+        model: of the simulation to show.
+        data: the viewer's own copy of the state; `show` updates it.
+        camera: `overview` or `top`.
+
+    Raises:
+        RenderingError: there is no display.
+        UnknownNameError: no such camera.
+    """
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
+        check_view(1, 1, camera)
+        self._model, self._data = model, data
+        try:
+            import mujoco.viewer
+
+            self._viewer = mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
+        except (RuntimeError, ImportError, mujoco.FatalError) as error:
+            raise RenderingError(f"render_mode 'human' needs a display and OpenGL: {error}") from error
+        with self._viewer.lock():
+            self._viewer.cam.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
+            self._viewer.cam.fixedcamid = model.camera(camera).id
+
+    def show(self, data: mujoco.MjData, marks: Sequence[Mark]) -> None:
+        """Bring the window up to date."""
+        if not self._viewer.is_running():
+            return
+        with self._viewer.lock():
+            self._data.time = data.time
+            self._data.qpos[:] = data.qpos
+            self._data.qvel[:] = data.qvel
+            mujoco.mj_forward(self._model, self._data)
+            self._viewer.user_scn.ngeom = 0
+            add_marks(self._viewer.user_scn, marks)
+        self._viewer.sync()
+
+    def close(self) -> None:
+        """Close the window."""
+        self._viewer.close()
+
+
+def check_view(width: int, height: int, camera: str) -> None:
+    """Raise the error that a picture of this size from this camera would meet."""
+    if camera not in CAMERAS:
+        raise UnknownNameError("camera", camera, CAMERAS)
+    for what, value in (("width", width), ("height", height)):
+        if value < 1:
+            raise InvalidValueError(what, value, "at least 1", "pixels")

@@ -1,0 +1,254 @@
+"""`Physics`: many simulations of the arm at once, which answer named questions."""
+
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.physics.mjcf import TIP_RADIUS, PhysicsSettings, compile_model
+from prp_gym.physics.surface import Surface
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.kinematics import Kinematics
+from prp_gym.robot.parameters import NOMINAL, RobotParameters
+
+Ids = NDArray[np.intp]
+
+# From the 18 sensor values to joint state, pose and pose rate: α = q_1, β = π/2 - q_3, γ = π/2.
+_MEASUREMENT_GAIN = np.array([1.0] * 6 + [1.0] * 4 + [-1.0, 0.0] + [1.0] * 4 + [-1.0, 0.0])
+_MEASUREMENT_OFFSET = np.array([0.0] * 10 + [np.pi / 2, np.pi / 2] + [0.0] * 6)
+MEASUREMENT_SIZE = 18
+
+_PERSISTENT_UP_TO = 128  # simulations: beyond it one MjData each no longer fits the caches and is slower
+_EXPANDED = (
+    "body_mass",
+    "body_inertia",
+    "dof_damping",
+    "dof_frictionloss",
+    "body_pos",
+    "body_quat",
+    "pair_solref",
+)
+
+
+class PhysicsState(NamedTuple):
+    """All that determines how the simulations go on; see `Physics.snapshot`."""
+
+    integration: Array
+    model_fields: dict[str, Array]
+
+
+class Physics:
+    """N simulations of the arm on MuJoCo's native batch; a single environment has N = 1.
+
+    Answers are read-only arrays with N rows that are current after `reset` and `advance`. The same
+    torques give the same bits for any N and any number of threads.
+
+    Args:
+        parameters: the arm that is simulated (the plant).
+        settings: the world.
+        num_simulations: N, at least 1.
+        num_threads: worker threads; 0 takes all cores.
+
+    Raises:
+        InvalidValueError: fewer than one simulation.
+    """
+
+    def __init__(
+        self,
+        parameters: RobotParameters = NOMINAL,
+        settings: PhysicsSettings | None = None,
+        num_simulations: int = 1,
+        num_threads: int = 1,
+    ) -> None:
+        if num_simulations < 1:
+            raise InvalidValueError("num_simulations", num_simulations, "at least 1")
+        self.parameters = parameters
+        self.settings = PhysicsSettings() if settings is None else settings
+        self.num_simulations = num_simulations
+        self.num_threads = num_threads
+        self._build()
+
+    def _build(self) -> None:
+        model = compile_model(self.parameters, self.settings)
+        count = self.num_simulations
+        self._batch = Batch(model, count, self.num_threads, persistent=count <= _PERSISTENT_UP_TO)
+        self._position: Array = self._batch.bind("qpos")
+        self._velocity: Array = self._batch.bind("qvel")
+        self._torque: Array = self._batch.bind("ctrl")
+        self._sensors: Array = self._batch.bind("sensordata")
+        stages = mujoco.mjtStage
+        stage = stages.mjSTAGE_ACC if self.settings.surface else stages.mjSTAGE_VEL
+        self._stage = int(stage)
+        after_stops = MEASUREMENT_SIZE + (3 if self.settings.joint_stops else 0)
+        self._stops = slice(MEASUREMENT_SIZE, after_stops)
+        self._force = slice(after_stops, after_stops + 3)
+        self._home_tip = Kinematics(self.parameters).forward_kinematics(np.zeros(3))[:3]
+        self._tip_body = model.body("link_3").id
+        self._batch.reset(stage=self._stage)
+
+    @property
+    def timestep(self) -> float:
+        """Duration of one substep [s]."""
+        return self.settings.timestep
+
+    @property
+    def measurement(self) -> Array:
+        """(N, 18), new: joint position (3), joint velocity (3), pose (6), pose rate (6); SPEC units."""
+        values: Array = self._sensors[:, :MEASUREMENT_SIZE] * _MEASUREMENT_GAIN
+        values += _MEASUREMENT_OFFSET
+        return values
+
+    @property
+    def joint_position(self) -> Array:
+        """(N, 3) [rad, m, rad]."""
+        return self._sensors[:, 0:3]
+
+    @property
+    def joint_velocity(self) -> Array:
+        """(N, 3) [rad/s, m/s, rad/s]."""
+        return self._sensors[:, 3:6]
+
+    @property
+    def tip_position(self) -> Array:
+        """(N, 3) in the world frame [m]."""
+        return self._sensors[:, 6:9]
+
+    @property
+    def tip_velocity(self) -> Array:
+        """(N, 3) in the world frame [m/s]."""
+        return self._sensors[:, 12:15]
+
+    @property
+    def joints_at_stop(self) -> NDArray[np.bool_]:
+        """(N, 3), whether a joint is at or beyond its stop."""
+        if not self.settings.joint_stops:
+            return np.zeros((self.num_simulations, 3), dtype=np.bool_)
+        touching: NDArray[np.bool_] = self._sensors[:, self._stops] != 0.0
+        return touching
+
+    @property
+    def contact_force(self) -> Array:
+        """(N, 3) force by the tip on the surface, world frame [N]; zero without contact or surface."""
+        if not self.settings.surface:
+            return np.zeros((self.num_simulations, 3))
+        return self._sensors[:, self._force]
+
+    @property
+    def torque(self) -> Array:
+        """(N, 3) joint torques that act until they are set anew [N m, N, N m]."""
+        return self._torque
+
+    def set_torque(self, torque: Array) -> None:
+        """Joint torques that act from now on (N, 3) [N m, N, N m]; the caller vouches for finite values."""
+        self._torque[:] = torque
+
+    def advance(self, substeps: int) -> None:
+        """Integrate every simulation over a number of time steps; all answers are current afterwards."""
+        self._batch.step(nstep=substeps, stage=self._stage)
+
+    def reset(self, ids: Ids, joint_position: Array, joint_velocity: Array) -> None:
+        """Put some simulations at rest in the solver and at a given joint state.
+
+        Args:
+            ids: (n) the simulations.
+            joint_position: (n, 3) [rad, m, rad].
+            joint_velocity: (n, 3) [rad/s, m/s, rad/s].
+
+        Raises:
+            NonFiniteError: NaN or infinity in the state; nothing was changed.
+        """
+        for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
+            if not np.isfinite(values).all():
+                raise NonFiniteError(what, np.asarray(values).tolist())
+        self._batch.reset(ids, stage=int(mujoco.mjtStage.mjSTAGE_NONE))
+        self._position[ids] = joint_position
+        self._velocity[ids] = joint_velocity
+        self._batch.forward(ids, stage=self._stage)
+
+    def set_surface(self, ids: Ids, surface: Surface) -> None:
+        """Give some simulations their own surface; takes effect at the next `reset` or `advance`.
+
+        Args:
+            ids: (n) the simulations.
+            surface: n planes.
+
+        Raises:
+            InvalidValueError: the world was built without a surface.
+        """
+        if not self.settings.surface:
+            raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
+        body = self._batch.model.body("surface").id
+        weights = self._batch.expanded("body_invweight0")
+        shared = self._batch.model.body_invweight0[self._tip_body, 0]
+        inverse_weight = np.full(len(ids), shared) if weights is None else weights[ids, self._tip_body, 0]
+        self._batch.expand("pair_solref")[ids, 0] = surface.solver_reference(inverse_weight)
+        gap = surface.offset - TIP_RADIUS - surface.normal @ self._home_tip
+        place = self._home_tip + gap[:, None] * surface.normal
+        self._batch.expand("body_pos")[ids, body] = place
+        self._batch.expand("body_quat")[ids, body] = surface.quaternions()
+
+    def set_dynamics(
+        self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
+    ) -> None:
+        """Give some simulations their own masses and friction; call it before `set_surface`.
+
+        Args:
+            ids: (n) the simulations.
+            mass_factor: (n, 3) factors on each link's mass and inertia.
+            viscous_friction: F_v (n, 3) [N m s/rad, N s/m, N m s/rad].
+            coulomb_friction: F_s (n, 3) [N m, N, N m].
+        """
+        links = [self._batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
+        model, rows = self._batch.model, np.asarray(ids)[:, None]
+        self._batch.expand("body_mass")[rows, links] = mass_factor * model.body_mass[links]
+        self._batch.expand("body_inertia")[rows, links] = mass_factor[:, :, None] * model.body_inertia[links]
+        self._batch.expand("dof_damping")[ids] = viscous_friction
+        self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
+        self._batch.set_const(ids)
+
+    def snapshot(self) -> PhysicsState:
+        """Copy of all that determines how the simulations go on: state, solver's warm start, models."""
+        fields = {name: self._batch.expanded(name) for name in _EXPANDED}
+        kept = {name: np.array(values) for name, values in fields.items() if values is not None}
+        return PhysicsState(np.array(self._batch.state), kept)
+
+    def restore(self, state: PhysicsState) -> None:
+        """Go back to a snapshot, bit for bit.
+
+        Raises:
+            InvalidValueError: the snapshot is of another number of simulations.
+        """
+        if state.integration.shape != self._batch.state.shape:
+            raise InvalidValueError(
+                "snapshot's state shape", state.integration.shape, f"{self._batch.state.shape}"
+            )
+        for name, values in state.model_fields.items():
+            self._batch.expand(name)[:] = values
+        if "body_mass" in state.model_fields:
+            self._batch.set_const()
+        self._batch.state[:] = state.integration
+        self._batch.forward(stage=self._stage)
+        self._batch.state[:] = state.integration
+
+    def model(self, simulation: int = 0) -> mujoco.MjModel:
+        """A copy of one simulation's model, with its own masses and surface, for rendering or study."""
+        return self._batch.get_model(simulation)
+
+    def data(self, simulation: int = 0) -> mujoco.MjData:
+        """A copy of one simulation's current data, all fields computed, for rendering or study."""
+        data = self._batch.get_data(simulation)
+        mujoco.mj_forward(self._batch.get_model(simulation), data)
+        return data
+
+    def __getstate__(self) -> dict[str, Any]:
+        names = ("parameters", "settings", "num_simulations", "num_threads")
+        return {name: getattr(self, name) for name in names} | {"snapshot": self.snapshot()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        snapshot = state.pop("snapshot")
+        self.__dict__.update(state)
+        self._build()
+        self.restore(snapshot)

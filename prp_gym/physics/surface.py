@@ -1,0 +1,99 @@
+"""The elastic surface: a plane that pushes back on the tip as a spring and damper, on one side only."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.robot.arrays import Array
+
+IMPEDANCE = 1e-4
+"""d of MuJoCo's solimp, its smallest value: it leaves d/((1-d)Â), 0.13 g here, as a spurious added mass."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Elastic planes, one per simulation: the points p with normal·p = offset.
+
+    The free side is normal·p > offset. With depth = offset - normal·tip and rate its derivative, the
+    tip presses with max(0, stiffness·depth + damping·rate) while depth > 0, and nothing otherwise.
+
+    Attributes:
+        stiffness: K (n) [N/m], above 0.
+        damping: D (n) [N s/m], at least 0.
+        normal: (n, 3) unit vectors in the world frame, out of the surface to the free side.
+        offset: (n) distance of the plane from the world's origin along the normal [m].
+
+    Raises:
+        InvalidValueError: a stiffness that is not positive, negative damping, a zero normal, a value
+            that is not finite.
+        ShapeError: arrays of different length.
+    """
+
+    stiffness: Array
+    damping: Array
+    normal: Array
+    offset: Array
+
+    def __post_init__(self) -> None:
+        for name in ("stiffness", "damping", "normal", "offset"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+        count = self.stiffness.shape[:1]
+        for name, shape in (
+            ("stiffness", count),
+            ("damping", count),
+            ("normal", (*count, 3)),
+            ("offset", count),
+        ):
+            if getattr(self, name).shape != shape or len(count) != 1:
+                raise ShapeError(f"surface {name}", getattr(self, name).shape, f"{shape}")
+        self._require("stiffness", self.stiffness > 0.0, "above 0", "N/m")
+        self._require("damping", self.damping >= 0.0, "at least 0", "N·s/m")
+        length = np.linalg.norm(self.normal, axis=-1)
+        self._require("normal", length > 0.0, "a vector of positive length", "")
+        self._require("offset", np.isfinite(self.offset), "a finite number", "m")
+        object.__setattr__(self, "normal", self.normal / length[:, None])
+
+    def _require(self, name: str, good: np.ndarray, allowed: str, unit: str) -> None:
+        values = getattr(self, name)
+        good = good & np.isfinite(values).reshape(len(good), -1).all(axis=1)
+        if not good.all():
+            raise InvalidValueError(
+                f"surface {name}", values[~good][0].tolist(), f"{allowed} and finite", unit
+            )
+
+    @classmethod
+    def single(
+        cls, stiffness: float, normal: tuple[float, float, float], offset: float, damping: float = 0.0
+    ) -> "Surface":
+        """One plane, for one simulation; units as in the class."""
+        return cls(
+            np.array([stiffness]),
+            np.array([damping]),
+            np.array([normal], dtype=np.float64),
+            np.array([offset]),
+        )
+
+    def solver_reference(self, inverse_weight: Array) -> Array:
+        """MuJoCo's `solref` that makes the contact this spring and damper.
+
+        Args:
+            inverse_weight: (n) `body_invweight0` (translation) of the tip's body [1/kg].
+
+        Returns:
+            (n, 2).
+
+        Source: [M] Computation, Solver parameters: with impedance d and R = (1-d)/d Â, direct
+            coefficients (-K Â (1-d), -D Â (1-d)) give the normal force K depth + D rate.
+        """
+        scale = -inverse_weight * (1.0 - IMPEDANCE)
+        return np.stack([self.stiffness * scale, self.damping * scale], axis=-1)
+
+    def quaternions(self) -> Array:
+        """(n, 4) rotations (w, x, y, z) that turn the z axis into the normals."""
+        x, y, z = self.normal[:, 0], self.normal[:, 1], self.normal[:, 2]
+        quaternion = np.stack([1.0 + z, -y, x, np.zeros_like(z)], axis=-1)
+        down = z < -1.0 + 1e-12
+        quaternion[down] = (0.0, 1.0, 0.0, 0.0)
+        unit: Array = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+        return unit
