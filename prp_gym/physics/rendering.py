@@ -1,8 +1,10 @@
 """Pictures of one simulation: MuJoCo's own renderer and viewer, with marks for what the task is about."""
 
+import os
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -18,6 +20,10 @@ GOAL_COLOR: Color = (0.10, 0.65, 0.25, 0.75)
 PATH_COLOR: Color = (0.15, 0.40, 0.85, 0.80)
 FORCE_COLOR: Color = (0.90, 0.15, 0.10, 1.0)
 
+NO_DISPLAY = (
+    "render_mode 'human' opens a window and this machine has no display (DISPLAY and WAYLAND_DISPLAY are"
+    " unset); use 'rgb_array', or start a virtual display."
+)
 _MOST_MARKS = 1000
 
 
@@ -113,20 +119,18 @@ class OffscreenRenderer:
                 " osmesa) before mujoco is first imported, and install Mesa's EGL library (Debian: libegl1)."
             ) from error
 
-    def draw(
-        self, data: mujoco.MjData, marks: Sequence[Mark], kind: Literal["rgb_array", "depth_array"]
-    ) -> NDArray[Any]:
+    def draw(self, data: mujoco.MjData, marks: Sequence[Mark], *, depth: bool = False) -> NDArray[Any]:
         """One picture.
 
         Args:
             data: the state to show.
             marks: what to draw beside the model.
-            kind: colours or depth.
+            depth: distances in place of colours.
 
         Returns:
             (height, width, 3) uint8, or (height, width) float32 distance from the camera [m].
         """
-        if kind == "depth_array":
+        if depth:
             self._renderer.enable_depth_rendering()
         else:
             self._renderer.disable_depth_rendering()
@@ -138,6 +142,11 @@ class OffscreenRenderer:
     def close(self) -> None:
         """Free the drawing context."""
         self._renderer.close()
+
+
+def has_display() -> bool:
+    """Whether a window can be opened here."""
+    return sys.platform != "linux" or any(name in os.environ for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 class WindowRenderer:
@@ -155,6 +164,8 @@ class WindowRenderer:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
         check_view(1, 1, camera)
+        if not has_display():
+            raise RenderingError(NO_DISPLAY)
         self._model, self._data = model, data
         try:
             import mujoco.viewer

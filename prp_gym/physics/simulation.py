@@ -83,8 +83,9 @@ class Physics:
         stage = stages.mjSTAGE_ACC if self.settings.surface else stages.mjSTAGE_VEL
         self._stage = int(stage)
         after_stops = MEASUREMENT_SIZE + (3 if self.settings.joint_stops else 0)
-        self._stops = slice(MEASUREMENT_SIZE, after_stops)
-        self._force = slice(after_stops, after_stops + 3)
+        self._kinematic_sensors = self._sensors[:, :MEASUREMENT_SIZE]
+        self._stop_sensors = self._sensors[:, MEASUREMENT_SIZE:after_stops]
+        self._force_sensors = self._sensors[:, after_stops : after_stops + 3]
         self._home_tip = Kinematics(self.parameters).forward_kinematics(np.zeros(3))[:3]
         self._tip_body = model.body("link_3").id
         self._batch.reset(stage=self._stage)
@@ -97,9 +98,14 @@ class Physics:
     @property
     def measurement(self) -> Array:
         """(N, 18), new: joint position (3), joint velocity (3), pose (6), pose rate (6); SPEC units."""
-        values: Array = self._sensors[:, :MEASUREMENT_SIZE] * _MEASUREMENT_GAIN
-        values += _MEASUREMENT_OFFSET
+        values = np.empty((self.num_simulations, MEASUREMENT_SIZE))
+        self.measure(values)
         return values
+
+    def measure(self, out: Array) -> None:
+        """Write `measurement` into an array (N, 18)."""
+        np.multiply(self._kinematic_sensors, _MEASUREMENT_GAIN, out=out)
+        out += _MEASUREMENT_OFFSET
 
     @property
     def joint_position(self) -> Array:
@@ -126,7 +132,7 @@ class Physics:
         """(N, 3), whether a joint is at or beyond its stop."""
         if not self.settings.joint_stops:
             return np.zeros((self.num_simulations, 3), dtype=np.bool_)
-        touching: NDArray[np.bool_] = self._sensors[:, self._stops] != 0.0
+        touching: NDArray[np.bool_] = self._stop_sensors != 0.0
         return touching
 
     @property
@@ -134,7 +140,8 @@ class Physics:
         """(N, 3) force by the tip on the surface, world frame [N]; zero without contact or surface."""
         if not self.settings.surface:
             return np.zeros((self.num_simulations, 3))
-        return self._sensors[:, self._force]
+        force: Array = self._force_sensors
+        return force
 
     @property
     def torque(self) -> Array:

@@ -1,0 +1,263 @@
+"""`PRPEnv`: the Gymnasium environment, a loop of one."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
+from prp_gym.envs.loop import EpisodeLoop, LoopState
+from prp_gym.errors import (
+    EpisodeError,
+    InvalidValueError,
+    NonFiniteError,
+    RenderingError,
+    ShapeError,
+    UnknownNameError,
+)
+from prp_gym.physics.rendering import (
+    FORCE_COLOR,
+    NO_DISPLAY,
+    Arrow,
+    Mark,
+    OffscreenRenderer,
+    WindowRenderer,
+    has_display,
+)
+from prp_gym.physics.simulation import Physics
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import NOMINAL
+from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.task import Task
+
+_ONLY = np.array([0])
+_METRES_PER_NEWTON = 0.02  # length of the drawn force arrow
+
+
+@dataclass(frozen=True)
+class NoOptions:
+    """A task without keywords of its own."""
+
+
+class EnvState(NamedTuple):
+    """A saved environment; see `PRPEnv.get_state`."""
+
+    loop: LoopState
+    generator: Mapping[str, Any]
+
+
+class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
+    """One arm and one task.
+
+    Actions are torques over their limits, Box(-1, 1, (3,), float32); observations a flat float64 vector
+    that `observation_layout` splits into named fields. Subclasses name their task.
+
+    Args:
+        keywords: see `EnvConfig`, and the task's own in `options_class`.
+
+    Raises:
+        PRPError: a keyword that does not exist or a value that is not allowed; `human` without a display.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 500}  # noqa: RUF012
+    task_class: ClassVar[type[Task[Any]]]
+    options_class: ClassVar[type] = NoOptions
+
+    def __init__(self, **keywords: object) -> None:
+        options: object
+        self.config, options = parse_keywords(keywords, self.options_class)
+        modes = [mode for mode in RENDER_MODES if mode != "human" or has_display()]
+        self.metadata = {"render_modes": modes, "render_fps": round(self.config.control_frequency)}
+        if self.config.render_mode == "human" and not has_display():
+            raise RenderingError(NO_DISPLAY)
+        self.render_mode = self.config.render_mode
+        self._loop = EpisodeLoop(self._make_task(self.config, options), self.config)
+        self._info_names = tuple(field.name for field in self._loop.info_fields)
+        self._renderer: OffscreenRenderer | WindowRenderer | None = None
+        self.observation_space = self._loop.task.layout.space()
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float32)
+
+    @classmethod
+    @abstractmethod
+    def _make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
+        """The task; the same for single and vectorised environments."""
+
+    @property
+    def observation_layout(self) -> ObservationLayout:
+        """Where each field lies in an observation."""
+        return self._loop.task.layout
+
+    @property
+    def physics(self) -> Physics:
+        """The simulated world, with one simulation."""
+        return self._loop.physics
+
+    @property
+    def task(self) -> Task[Any]:
+        """What is asked of the arm."""
+        return self._loop.task
+
+    @property
+    def arm(self) -> PRPArm:
+        """The nominal arm: the model that policies may know, whatever the plant really is."""
+        return self._loop.task.arm
+
+    @property
+    def torque_limit(self) -> Array:
+        """Joint torques at action 1 (3) [N m, N, N m]."""
+        return self._loop.torque_limit.copy()
+
+    @property
+    def control_frequency(self) -> float:
+        """Actions a second [Hz]."""
+        return self.config.control_frequency
+
+    @property
+    def duration(self) -> float:
+        """Length of an episode [s]."""
+        return self.config.duration
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: of the environment's generator; the same seed gives the same bits.
+            options: values that replace what is drawn, by the names in `task.reset_options`: vectors
+                (3) [rad, m, rad] and per second.
+
+        Returns:
+            the observation (size) and an `info` with the time [s].
+
+        Raises:
+            UnknownNameError: an option that the task does not take.
+            ShapeError: an option of another shape.
+            NonFiniteError: NaN or infinity in an option.
+            JointLimitError: a start or goal outside the joint limits.
+        """
+        super().reset(seed=seed)
+        checked = self._checked_options(options or {})
+        observation = self._loop.reset(_ONLY, [self.np_random], checked)
+        if self.render_mode == "human":
+            self.render()
+        return observation[0], {"time": 0.0}
+
+    def _checked_options(self, options: Mapping[str, Any]) -> dict[str, Array]:
+        checked = {}
+        for name, value in options.items():
+            if name not in self.task.reset_options:
+                raise UnknownNameError("reset option", name, self.task.reset_options)
+            vector = np.asarray(value, dtype=np.float64)
+            if vector.shape != (3,):
+                raise ShapeError(f"reset option {name!r}", vector.shape, "(3,)")
+            if not np.isfinite(vector).all():
+                raise NonFiniteError(f"reset option {name!r}", vector.tolist())
+            checked[name] = vector
+        return checked
+
+    def step(self, action: NDArray[Any]) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """One control period.
+
+        Args:
+            action: (3) torques over their limits; beyond ±1 they are clipped and counted in `info`.
+
+        Returns:
+            observation (size), reward [s], whether the simulation diverged, whether the duration is
+            over, and `info`: every reward term (they sum to the reward) [s], costs and time.
+
+        Raises:
+            ShapeError: another shape.
+            NonFiniteError: NaN or infinity in the action.
+            EpisodeError: before the first `reset`, or after a divergence.
+        """
+        values = np.asarray(action, dtype=np.float64)
+        if values.shape != (3,):
+            raise ShapeError("action", values.shape, "(3,)")
+        step = self._loop.step(values[None])
+        if self.render_mode == "human":
+            self.render()
+        info = dict(zip(self._info_names, step.info[0].tolist(), strict=True))
+        return (
+            step.observation[0],
+            float(step.reward[0]),
+            bool(step.terminated[0]),
+            bool(step.truncated[0]),
+            info,
+        )
+
+    def render(self) -> NDArray[Any] | None:
+        """Draw the arm, the goal, the reference path, the surface and the contact force.
+
+        Returns:
+            (height, width, 3) uint8 in mode `rgb_array`, (height, width) float32 distances [m] in mode
+            `depth_array`, None in mode `human`, which shows a window.
+
+        Raises:
+            EpisodeError: the environment was made without a `render_mode`.
+            RenderingError: nothing can be drawn on this machine.
+        """
+        config, physics = self.config, self.physics
+        if config.render_mode is None:
+            raise EpisodeError(
+                f"render() needs a render_mode at make time, one of {', '.join(RENDER_MODES)}."
+            )
+        data = physics.data()
+        if config.render_mode == "human":
+            if not isinstance(self._renderer, WindowRenderer):
+                self._renderer = WindowRenderer(physics.model(), physics.data(), config.camera)
+            self._renderer.show(data, self._marks())
+            return None
+        if not isinstance(self._renderer, OffscreenRenderer):
+            self._renderer = OffscreenRenderer(physics.model(), config.width, config.height, config.camera)
+        return self._renderer.draw(data, self._marks(), depth=config.render_mode == "depth_array")
+
+    def _marks(self) -> list[Mark]:
+        marks = self.task.marks(0, self.duration)
+        force = self.physics.contact_force[0]
+        if np.any(force):
+            tip = self.physics.tip_position[0]
+            marks.append(Arrow(np.array(tip), force * _METRES_PER_NEWTON, 0.008, FORCE_COLOR))
+        return marks
+
+    def close(self) -> None:
+        """Free window and drawing context."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def get_state(self) -> EnvState:
+        """Copy of all that determines how the environment goes on, its generator included."""
+        return EnvState(self._loop.get_state(), dict(self.np_random.bit_generator.state))
+
+    def set_state(self, state: EnvState) -> Array:
+        """Go back to a saved state, bit for bit.
+
+        Args:
+            state: from `get_state` of this environment or of one made with the same keywords.
+
+        Returns:
+            the observation (size).
+
+        Raises:
+            InvalidValueError: a state of another kind of environment.
+        """
+        if type(state.loop.rest["task"]) is not type(self.task):
+            found = type(state.loop.rest["task"]).__name__
+            raise InvalidValueError("saved state's task", found, type(self.task).__name__)
+        self.np_random.bit_generator.state = dict(state.generator)
+        observation: Array = self._loop.set_state(state.loop)[0]
+        return observation
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_renderer": None}
+
+
+def nominal_arm() -> PRPArm:
+    """The arm that tasks and policies know."""
+    return PRPArm(NOMINAL)

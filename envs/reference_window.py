@@ -1,0 +1,64 @@
+"""References looked up instead of computed at every step: a window of the coming steps, for N at once."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.robot.arrays import Array
+
+_MOST_ROWS = 65536  # of all environments together; bounds the memory
+_MOST_STEPS = 512
+
+Sampler = Callable[[Array, NDArray[np.intp]], Array]
+
+
+class ReferenceWindow:
+    """The reference part of the observations, step by step.
+
+    Times are whole numbers of periods since each environment's own start, so that what an environment
+    observes does not depend on the window or on its neighbours.
+
+    Args:
+        num_envs: N.
+        period: of control [s].
+    """
+
+    def __init__(self, num_envs: int, period: float) -> None:
+        self._period = period
+        self._length = int(np.clip(_MOST_ROWS // num_envs, 1, _MOST_STEPS))
+        self._everyone = np.arange(num_envs)
+        self._origin = np.zeros(num_envs, dtype=np.int64)
+        self._tick = 0
+        self._first = 0
+        self._rows = np.zeros((0, num_envs, 0))
+
+    def begin(self, ids: NDArray[np.intp], sampler: Sampler) -> None:
+        """Start new episodes in some environments (n); the first call covers all of them."""
+        self._origin[ids] = self._tick
+        if self._rows.size == 0 or len(ids) == len(self._everyone):
+            self._fill(sampler)
+        else:
+            self._rows[:, ids] = sampler(self._times(ids), ids)
+
+    def advance(self, sampler: Sampler) -> None:
+        """Go on by one period."""
+        self._tick += 1
+        if self._tick - self._first >= self._length:
+            self._fill(sampler)
+
+    @property
+    def current(self) -> Array:
+        """(N, size): the reference now."""
+        row: Array = self._rows[self._tick - self._first]
+        return row
+
+    def _fill(self, sampler: Sampler) -> None:
+        self._first = self._tick
+        self._rows = sampler(self._times(self._everyone), self._everyone)
+
+    def _times(self, ids: NDArray[np.intp]) -> Array:
+        """(length, n) times since each environment's start [s]; before the start, 0."""
+        ticks = np.arange(self._first, self._first + self._length)[:, None] - self._origin[ids]
+        times: Array = np.maximum(ticks, 0) * self._period
+        return times

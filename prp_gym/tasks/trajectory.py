@@ -1,0 +1,170 @@
+"""Reference trajectories in joint space: position, velocity and acceleration at any time, for N at once."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array
+
+
+@dataclass(frozen=True)
+class Trajectory(ABC):
+    """N trajectories of one kind; every attribute is an array with N rows.
+
+    Trajectories that change over their episodes' life are replaced row by row with `assign`.
+    """
+
+    @abstractmethod
+    def sample(self, time: Array) -> Array:
+        """The trajectories at given times.
+
+        Args:
+            time: (..., N) [s] since the start of each episode.
+
+        Returns:
+            (..., N, 9): position (3) [rad, m, rad], velocity (3) and acceleration (3) per second.
+        """
+
+    @property
+    @abstractmethod
+    def is_constant(self) -> bool:
+        """Whether the trajectory never moves."""
+
+    @property
+    @abstractmethod
+    def goal(self) -> Array:
+        """(N, 3) where the trajectory ends or about which it moves [rad, m, rad]."""
+
+    @classmethod
+    def concatenate(cls, rows: Sequence[Self]) -> Self:
+        """One object from several, in order."""
+        names = [field.name for field in fields(cls)]
+        return cls(**{name: np.concatenate([getattr(row, name) for row in rows]) for name in names})
+
+    def rows(self, ids: NDArray[np.intp]) -> Self:
+        """The trajectories of some rows."""
+        return type(self)(**{field.name: getattr(self, field.name)[ids] for field in fields(self)})
+
+    def assign(self, ids: NDArray[np.intp], rows: Self) -> None:
+        """Replace some rows."""
+        for field in fields(self):
+            getattr(self, field.name)[ids] = getattr(rows, field.name)
+
+
+@dataclass(frozen=True)
+class Constant(Trajectory):
+    """A position held for ever.
+
+    Attributes:
+        position: (N, 3) [rad, m, rad].
+    """
+
+    position: Array
+
+    def sample(self, time: Array) -> Array:
+        """See `Trajectory.sample`."""
+        values = np.zeros((*time.shape, 9))
+        values[..., :3] = self.position
+        return values
+
+    @property
+    def is_constant(self) -> bool:
+        """Always."""
+        return True
+
+    @property
+    def goal(self) -> Array:
+        """The position."""
+        return self.position
+
+
+@dataclass(frozen=True)
+class Sine(Trajectory):
+    """center + amplitude sin(angular_frequency t + phase), per joint.
+
+    Attributes:
+        center: (N, 3) [rad, m, rad].
+        amplitude: (N, 3) [rad, m, rad].
+        angular_frequency: (N, 3) [rad/s].
+        phase: (N, 3) [rad].
+    """
+
+    center: Array
+    amplitude: Array
+    angular_frequency: Array
+    phase: Array
+
+    def sample(self, time: Array) -> Array:
+        """See `Trajectory.sample`."""
+        angle = self.angular_frequency * time[..., None] + self.phase
+        sine, cosine = self.amplitude * np.sin(angle), self.amplitude * np.cos(angle)
+        rate = self.angular_frequency
+        return np.concatenate([self.center + sine, rate * cosine, -(rate**2) * sine], axis=-1)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no joint moves."""
+        return not np.any(self.amplitude)
+
+    @property
+    def goal(self) -> Array:
+        """The centre."""
+        return self.center
+
+
+@dataclass(frozen=True)
+class QuinticWaypoints(Trajectory):
+    """Quintic segments that rest (zero velocity and acceleration) at every waypoint.
+
+    The first waypoint is held before its time, the last one after its time.
+
+    Attributes:
+        times: (N, K), strictly increasing [s].
+        positions: (N, K, 3) [rad, m, rad].
+
+    Raises:
+        InvalidValueError: fewer than two waypoints, times that do not increase.
+
+    Source: [S] 4.2.2; boundary conditions of [R] 7.1.
+    """
+
+    times: Array
+    positions: Array
+
+    def __post_init__(self) -> None:
+        if self.times.shape[-1] < 2 or self.positions.shape != (*self.times.shape, 3):
+            raise InvalidValueError(
+                "waypoints' shape", self.positions.shape, "(N, K, 3) with K times, K >= 2"
+            )
+        if not (np.diff(self.times, axis=-1) > 0.0).all():
+            raise InvalidValueError("waypoint times", self.times.tolist(), "strictly increasing", "s")
+
+    def sample(self, time: Array) -> Array:
+        """See `Trajectory.sample`."""
+        last = self.times.shape[-1] - 2
+        segment = np.clip((time[..., None] >= self.times).sum(axis=-1) - 1, 0, last)
+        row = np.arange(self.times.shape[0])
+        begin, end = self.times[row, segment], self.times[row, segment + 1]
+        start, stop = self.positions[row, segment], self.positions[row, segment + 1]
+        span = (end - begin)[..., None]
+        s = np.clip((time - begin) / (end - begin), 0.0, 1.0)[..., None]
+        move = stop - start
+        position = start + move * (s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
+        velocity = move * (30.0 * s**2 * (1.0 - s) ** 2) / span
+        acceleration = move * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)) / span**2
+        return np.concatenate([position, velocity, acceleration], axis=-1)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether all waypoints coincide."""
+        return not np.any(self.positions - self.positions[:, :1])
+
+    @property
+    def goal(self) -> Array:
+        """The last waypoint."""
+        return self.positions[:, -1]
