@@ -9,18 +9,41 @@ import sys
 if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
     os.environ.setdefault("MUJOCO_GL", "egl")  # read once, when mujoco is first imported
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from prp_gym.errors import PRPError
 from prp_gym.registration import list_envs, register_environments
 from prp_gym.robot import PRPArm, RobotParameters
 
-__version__ = "0.1.0"
+if TYPE_CHECKING:
+    from prp_gym.baselines.registry import list_baselines, make_baseline
+    from prp_gym.evaluation.evaluate import evaluate
 
-register_environments()
+__version__ = "0.1.0"
 
 __all__ = [
     "PRPArm",
     "PRPError",
     "RobotParameters",
     "__version__",
+    "evaluate",
+    "list_baselines",
     "list_envs",
+    "make_baseline",
 ]
+
+_IMPORTED_ON_USE = {
+    "evaluate": "prp_gym.evaluation.evaluate",
+    "list_baselines": "prp_gym.baselines.registry",
+    "make_baseline": "prp_gym.baselines.registry",
+}
+
+register_environments()
+
+
+def __getattr__(name: str) -> Any:
+    """Names whose modules are imported on first use, so that `import prp_gym` stays light."""
+    if name in _IMPORTED_ON_USE:
+        return getattr(import_module(_IMPORTED_ON_USE[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,49 @@
+"""The laws by name, and how to make one for an environment."""
+
+from typing import Any
+
+from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics
+from prp_gym.baselines.joint_pd import JointPD
+from prp_gym.baselines.policy import Baseline, ControlInterface
+from prp_gym.errors import UnknownNameError
+from prp_gym.tasks.fields import ObservationLayout
+
+BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in (JointPD, JointInverseDynamics)}
+
+
+def list_baselines(layout: ObservationLayout | None = None) -> list[str]:
+    """Names of the laws, or of those that can run on an environment's observations.
+
+    Args:
+        layout: `env.unwrapped.observation_layout`; all laws without it.
+    """
+    if layout is None:
+        return list(BASELINES)
+    return [name for name, law in BASELINES.items() if set(law.required_fields) <= set(layout.names)]
+
+
+def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -> Baseline[Any]:
+    """A control law as a policy for an environment.
+
+    Args:
+        name: of the law; see `list_baselines`.
+        env: an environment of this suite, wrapped or not; only its layout, limits and rate are read.
+        gains: name of a gain set: `tuned`, `report`, or another that the law has.
+        overrides: the law's settings by name, in place of the set's.
+
+    Returns:
+        a policy whose `predict` takes observations of the environment.
+
+    Raises:
+        UnknownNameError: a law, gain set or setting that does not exist.
+        MissingFieldError: the environment does not observe what the law reads.
+        InvalidValueError: a setting that is not allowed, or an environment of another suite.
+    """
+    if name not in BASELINES:
+        raise UnknownNameError("baseline", name, BASELINES)
+    law = BASELINES[name]
+    interface = ControlInterface.of(env)
+    values = load_gains(name, gains, interface.environment_id)
+    values.pop("source")
+    return law(interface, law.settings_class.from_mapping(name, {**values, **overrides}))

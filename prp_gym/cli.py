@@ -1,0 +1,157 @@
+"""The command `prp-gym`."""
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from prp_gym.baselines import BASELINES, list_baselines, make_baseline
+from prp_gym.baselines.gains import gain_sets
+from prp_gym.errors import PRPError, UnknownNameError
+from prp_gym.evaluation.evaluate import episodes_to_play, evaluate
+from prp_gym.evaluation.results import describe_evaluation, describe_run, write_json
+from prp_gym.evaluation.table import Row, evaluation_table
+from prp_gym.registration import ENVIRONMENTS, list_envs
+from prp_gym.tasks.scenario import SCENARIOS
+
+_USAGE_ERROR = 2
+_WIDTH_WITHOUT_TERMINAL = 120
+
+app = typer.Typer(
+    name="prp-gym",
+    help="Gymnasium environments and classical baselines for the PRP arm.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def _console(stderr: bool = False) -> Console:
+    console = Console(stderr=stderr)
+    if not console.is_terminal:
+        console.width = _WIDTH_WITHOUT_TERMINAL
+    return console
+
+
+def _check_names(kind: str, names: list[str], valid: list[str]) -> list[str]:
+    for name in names:
+        if name not in valid:
+            raise UnknownNameError(kind, name, valid)
+    return names or valid
+
+
+@app.command("evaluate")
+def evaluate_command(
+    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")] = None,
+    baseline: Annotated[list[str] | None, typer.Option(help="Law; repeatable. Default: all.")] = None,
+    scenario: Annotated[
+        list[str] | None, typer.Option(help="Scenario; repeatable. Default: report and randomized.")
+    ] = None,
+    episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 20,
+    seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    gains: Annotated[str, typer.Option(help="Gain set of the laws.")] = "tuned",
+    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
+) -> None:
+    """Evaluate classical baselines and print a table."""
+    ids = _check_names("environment", env or [], list_envs())
+    laws = _check_names("baseline", baseline or [], list(BASELINES))
+    scenarios = (
+        _check_names("scenario", scenario or [], list(SCENARIOS)) if scenario else ["report", "randomized"]
+    )
+    jobs = _jobs(ids, scenarios, laws)
+    console = _console()
+    records: list[dict[str, Any]] = []
+    tables: list[Table] = []
+    with _progress() as progress:
+        total = sum(episodes_to_play(made, episodes) * len(names) for made, names in jobs)
+        bar = progress.add_task("evaluating", total=total)
+        for made, names in jobs:
+            rows = []
+            for name in names:
+                task = made.get_wrapper_attr("task")
+                progress.update(bar, description=f"{task.environment_id} {task.scenario.name} {name}")
+                policy = make_baseline(name, made, gains)
+                evaluation = evaluate(policy, made, episodes, seed, lambda: progress.advance(bar))
+                rows.append(Row(name, evaluation))
+                records.append(
+                    describe_evaluation(evaluation, name, {"gains": gains, **vars(policy.settings)})
+                )
+            tables.append(evaluation_table(f"{task.environment_id}, scenario {task.scenario.name}", rows))
+            made.close()
+    for table in tables:
+        console.print(table)
+    console.print(
+        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
+    )
+    target = output / "results.json"
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    write_json(target, {**describe_run(command), "evaluations": records})
+    console.print(f"results: {target}", highlight=False)
+
+
+def _jobs(
+    ids: list[str], scenarios: list[str], laws: list[str]
+) -> list[tuple[gymnasium.Env[Any, Any], list[str]]]:
+    """Environments with the laws that can run on them."""
+    jobs = []
+    for environment_id in ids:
+        for scenario in scenarios:
+            made = gymnasium.make(environment_id, scenario=scenario)
+            eligible = list_baselines(made.get_wrapper_attr("observation_layout"))
+            jobs.append((made, [name for name in laws if name in eligible]))
+    return jobs
+
+
+def _progress() -> Progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, console=_console(stderr=True), transient=True)
+
+
+@app.command("list")
+def list_command() -> None:
+    """Show environments, laws, and which law runs where."""
+    console = _console()
+    environments = Table(title="environments", title_justify="left")
+    for header in ("id", "task", "observation fields"):
+        environments.add_column(header, overflow="fold")
+    layouts = {}
+    for entry in ENVIRONMENTS:
+        made = gymnasium.make(entry.id)
+        layouts[entry.id] = made.get_wrapper_attr("observation_layout")
+        environments.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
+        made.close()
+    laws = Table(title="laws", title_justify="left")
+    for header in ("law", "what it is", "gain sets"):
+        laws.add_column(header, overflow="fold")
+    for name, law in BASELINES.items():
+        laws.add_row(name, law.summary, ", ".join(gain_sets(name)))
+    matrix = Table(title="which law runs where", title_justify="left")
+    matrix.add_column("law")
+    for environment_id in layouts:
+        matrix.add_column(environment_id, justify="center")
+    for name in BASELINES:
+        matrix.add_row(
+            name, *("yes" if name in list_baselines(layout) else "-" for layout in layouts.values())
+        )
+    for table in (environments, laws, matrix):
+        console.print(table)
+    console.print(f"scenarios: {', '.join(SCENARIOS)}")
+
+
+def main() -> None:
+    """Run the command; an error of this package ends with its message and exit code 2."""
+    try:
+        app()
+    except PRPError as error:
+        _console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
+        sys.exit(_USAGE_ERROR)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,101 @@
+"""`evaluate`: a policy on an environment over several episodes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.metrics import episode_metrics
+from prp_gym.evaluation.rollout import Policy, Rollout, record_episode
+from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
+from prp_gym.robot.arrays import Array
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """Recorded episodes of one policy on one environment.
+
+    Attributes:
+        rollouts: one an episode, in the order of their seeds.
+        seed: of the first episode; it also seeds the bootstrap.
+    """
+
+    rollouts: Sequence[Rollout]
+    seed: int
+
+    @cached_property
+    def metrics(self) -> dict[str, Array]:
+        """Metrics by name, (episodes, components); units in `prp_gym.evaluation.METRICS`."""
+        rows = [episode_metrics(rollout) for rollout in self.rollouts]
+        return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+
+    @cached_property
+    def score(self) -> Estimate:
+        """Interquartile mean of the score with a 95 % bootstrap interval."""
+        rng = np.random.default_rng(self.seed)
+        return bootstrap_interquartile_mean(self.metrics["score"][:, 0], rng)
+
+    @cached_property
+    def median(self) -> dict[str, Array]:
+        """Median over the episodes of every metric, (components); NaN where no episode has one."""
+        return {name: _median(values) for name, values in self.metrics.items()}
+
+    @property
+    def compute_time(self) -> float:
+        """Median time that the policy took for an action [s]."""
+        return float(np.median(np.concatenate([rollout.compute_time for rollout in self.rollouts])))
+
+
+def _median(values: Array) -> Array:
+    """Median over the first axis of what is not NaN."""
+    kept = [column[~np.isnan(column)] for column in values.T]
+    return np.array([np.median(column) if len(column) else np.nan for column in kept])
+
+
+def evaluate(
+    policy: Policy,
+    env: gymnasium.Env[Any, Any],
+    episodes: int = 20,
+    seed: int = 0,
+    on_episode: Callable[[], None] = lambda: None,
+) -> Evaluation:
+    """Play and record episodes with the seeds seed, seed + 1, ...
+
+    Every policy meets the same episodes under the same seeds, so that results can be paired. A
+    deterministic scenario is played once: more episodes would be copies.
+
+    Args:
+        policy: with Stable-Baselines3's `predict`.
+        env: an environment of this suite.
+        episodes: how many.
+        seed: of the first.
+        on_episode: called after each episode, for progress bars.
+
+    Returns:
+        the recorded episodes with their metrics.
+
+    Raises:
+        InvalidValueError: fewer than one episode, a negative seed, an environment of another suite.
+    """
+    if episodes < 1:
+        raise InvalidValueError("episodes", episodes, "at least 1")
+    if seed < 0:
+        raise InvalidValueError("seed", seed, "at least 0")
+    count = episodes_to_play(env, episodes)
+    rollouts = []
+    for index in range(count):
+        rollouts.append(record_episode(policy, env, seed + index))
+        on_episode()
+    return Evaluation(rollouts, seed)
+
+
+def episodes_to_play(env: gymnasium.Env[Any, Any], episodes: int) -> int:
+    """1 where every episode is the same, else as many as asked for."""
+    task = getattr(env.unwrapped, "task", None)
+    if task is None:
+        raise InvalidValueError("env", env, "an environment of prp_gym")
+    return 1 if task.scenario.deterministic else episodes

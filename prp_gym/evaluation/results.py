@@ -1,0 +1,86 @@
+"""Results as JSON: complete, strict and written in one piece."""
+
+import json
+import math
+import os
+import platform
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict, is_dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from prp_gym.evaluation.evaluate import Evaluation
+from prp_gym.evaluation.metrics import METRICS
+
+SCHEMA = 1
+_PACKAGES = ("prp-gym", "gymnasium", "mujoco", "numpy")
+
+
+def to_plain(value: Any) -> Any:
+    """A value as strict JSON knows it; NaN becomes null, infinity the text "inf" or "-inf"."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return to_plain(asdict(value))
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return to_plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [to_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return to_plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
+
+
+def describe_run(command: str) -> dict[str, Any]:
+    """What a result depends on beside its settings: versions, machine, command."""
+    return {
+        "schema": SCHEMA,
+        "command": command,
+        "versions": {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES},
+        "machine": {"system": platform.system(), "architecture": platform.machine(), "cores": os.cpu_count()},
+        "units": {metric.name: metric.units for metric in METRICS},
+    }
+
+
+def describe_evaluation(evaluation: Evaluation, baseline: str, settings: Any) -> dict[str, Any]:
+    """One (environment, scenario, policy) of the results."""
+    first = evaluation.rollouts[0]
+    return {
+        "environment": first.environment_id,
+        "scenario": first.scenario,
+        "baseline": baseline,
+        "settings": settings,
+        "control_period": first.period,
+        "duration": first.duration,
+        "seeds": [rollout.seed for rollout in evaluation.rollouts],
+        "score": evaluation.score._asdict(),
+        "median": evaluation.median,
+        "episodes": evaluation.metrics,
+        "compute_time_per_step": evaluation.compute_time,
+    }
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write a JSON file so that it is either whole or not there.
+
+    Args:
+        path: of the file; its folder is made if it does not exist.
+        content: anything `to_plain` takes.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(to_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.chmod(name, 0o644)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise

@@ -1,0 +1,111 @@
+"""A recorded episode, and how to record one."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array
+
+
+class Policy(Protocol):
+    """Whatever has Stable-Baselines3's `predict`: a baseline, a trained agent."""
+
+    def predict(
+        self,
+        observation: NDArray[Any],
+        state: Any = None,
+        episode_start: NDArray[np.bool_] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[NDArray[Any], Any]:
+        """The action for an observation, and the policy's state for the next call."""
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """One episode of T steps.
+
+    Attributes:
+        environment_id: of the environment.
+        scenario: its scenario.
+        seed: with which the episode was reset.
+        period: of control [s].
+        duration: that the episode was to have [s].
+        fields: observation fields by name (T + 1, size), the first row from the reset.
+        torque: commanded torques within the actuator limits (T, 3) [N m, N, N m].
+        reward: (T) [s].
+        info: numbers of `info` by name (T).
+        diverged: whether the episode ended in a divergence.
+        compute_time: of the policy (T) [s]; the only part that is not reproducible.
+    """
+
+    environment_id: str
+    scenario: str
+    seed: int
+    period: float
+    duration: float
+    fields: Mapping[str, Array]
+    torque: Array
+    reward: Array
+    info: Mapping[str, Array]
+    diverged: bool
+    compute_time: Array
+
+    @property
+    def time(self) -> Array:
+        """(T + 1) of the observations [s]."""
+        return np.arange(len(self.reward) + 1, dtype=np.float64) * float(self.period)
+
+
+def record_episode(
+    policy: Policy, env: gymnasium.Env[Any, Any], seed: int, options: dict[str, Any] | None = None
+) -> Rollout:
+    """Play one episode and record it.
+
+    Args:
+        policy: reads the environment's observations.
+        env: an environment of this suite; wrappers must leave observations as they are.
+        seed: of the episode.
+        options: for `reset`.
+
+    Returns:
+        the episode.
+
+    Raises:
+        InvalidValueError: an environment of another suite.
+    """
+    inner = env.unwrapped
+    if not hasattr(inner, "observation_layout"):
+        raise InvalidValueError("env", env, "an environment of prp_gym")
+    observation, _ = env.reset(seed=seed, options=options)
+    observations, actions, rewards, infos, costs = [observation], [], [], [], []
+    state, start, terminated, truncated = None, np.array([True]), False, False
+    while not (terminated or truncated):
+        before = time.perf_counter()
+        action, state = policy.predict(observation, state, episode_start=start, deterministic=True)
+        costs.append(time.perf_counter() - before)
+        observation, reward, terminated, truncated, info = env.step(action)
+        start = np.array([False])
+        observations.append(observation)
+        actions.append(action)
+        rewards.append(float(reward))
+        infos.append(info)
+    limit = inner.get_wrapper_attr("torque_limit")
+    return Rollout(
+        environment_id=inner.get_wrapper_attr("task").environment_id,
+        scenario=inner.get_wrapper_attr("task").scenario.name,
+        seed=seed,
+        period=1.0 / inner.get_wrapper_attr("control_frequency"),
+        duration=float(inner.get_wrapper_attr("duration")),
+        fields=inner.get_wrapper_attr("observation_layout").split(np.array(observations)),
+        torque=np.clip(np.array(actions, dtype=np.float64), -1.0, 1.0) * limit,
+        reward=np.array(rewards),
+        info={name: np.array([row[name] for row in infos]) for name in infos[0]},
+        diverged=terminated,
+        compute_time=np.array(costs),
+    )

@@ -1,0 +1,56 @@
+"""Aggregates over episodes: they do not know who produced the scores."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array
+
+RESAMPLES = 2000
+
+
+class Estimate(NamedTuple):
+    """A point estimate with a confidence interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def interquartile_mean(values: Array) -> Array:
+    """Mean of the middle half, (..., n) -> (...): a quarter of n, rounded down, is cut off at each end.
+
+    Source: Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice, 2021.
+    """
+    ordered = np.sort(values, axis=-1)
+    cut = values.shape[-1] // 4
+    middle: Array = ordered[..., cut : values.shape[-1] - cut].mean(axis=-1)
+    return middle
+
+
+def bootstrap_interquartile_mean(
+    values: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+) -> Estimate:
+    """Interquartile mean with a percentile bootstrap interval over the episodes.
+
+    Args:
+        values: (n), one an episode.
+        rng: for the resampling.
+        confidence: of the interval, between 0 and 1.
+        resamples: of the bootstrap.
+
+    Returns:
+        the estimate; without spread, or of one episode, the interval is the point.
+
+    Raises:
+        InvalidValueError: no values, or a confidence outside (0, 1).
+    """
+    if len(values) == 0:
+        raise InvalidValueError("number of values", 0, "at least 1")
+    if not 0.0 < confidence < 1.0:
+        raise InvalidValueError("confidence", confidence, "between 0 and 1")
+    drawn = rng.choice(values, size=(resamples, len(values)), replace=True)
+    tail = (1.0 - confidence) / 2
+    low, high = np.quantile(interquartile_mean(drawn), [tail, 1.0 - tail])
+    return Estimate(float(interquartile_mean(values)), float(low), float(high))
