@@ -11,17 +11,18 @@ from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
-_SMALLEST = 1e-6
+_SMALLEST = 1e-3
+_WHOLE_FROM = 10.0
 _HEADERS = (
     "score",
-    "95 % interv.",
-    "joint RMSE\nrad, m, rad",
-    "steady error\nrad, m, rad",
+    "95 % interval",
+    "joint RMSE\nmrad, mm, mrad",
+    "steady error\nmrad, mm, mrad",
     "settles\ns",
     "over-\nshoot %",
     "energy\nJ",
     "sat.\n%",
-    "µs per\naction",
+    "law\nµs",
 )
 
 
@@ -32,18 +33,20 @@ class Row(NamedTuple):
     evaluation: Evaluation
 
 
-def _number(value: float, digits: int = 2) -> str:
+def _number(value: float) -> str:
     if math.isnan(value):
         return _ABSENT
     if math.isinf(value):
         return "never"
-    return "0" if abs(value) < _SMALLEST else f"{value:.{digits}g}"
+    if abs(value) < _SMALLEST:
+        return "0"
+    return f"{value:.0f}" if abs(value) >= _WHOLE_FROM else f"{value:.2g}"
 
 
 def _vector(values: Array | None) -> str:
     if values is None or all(math.isnan(value) for value in values):
         return _ABSENT
-    return " ".join(_number(value) for value in values.tolist())
+    return " ".join(_number(1e3 * value) for value in values.tolist())
 
 
 def evaluation_table(title: str, rows: Sequence[Row]) -> Table:
@@ -54,10 +57,10 @@ def evaluation_table(title: str, rows: Sequence[Row]) -> Table:
         rows: of one environment and scenario.
 
     Returns:
-        a table for a terminal of 120 columns. Vectors are the three joints [rad, m, rad]; what is
-        smaller than 1e-6 in its unit is shown as 0.
+        a table for a terminal of 120 columns. Vectors are the three joints [mrad, mm, mrad]; what
+        is below 0.001 is shown as 0.
     """
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("law", no_wrap=True)
     for header in _HEADERS:
         table.add_column(header, justify="right", no_wrap=True)
@@ -76,7 +79,7 @@ def _cells(row: Row) -> list[str]:
         _vector(median.get("joint_rmse")),
         _vector(median.get("steady_state_error")),
         *(_number(float(median.get(name, nothing)[0])) for name in ("settling_time", "overshoot")),
-        _number(float(median["energy"][0]), 3),
+        _number(float(median["energy"][0])),
         _number(float(median["saturation"][0])),
         f"{1e6 * row.evaluation.compute_time:.0f}",
     ]
