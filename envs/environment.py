@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
-from prp_gym.envs.loop import EpisodeLoop, LoopState
+from prp_gym.envs.loop import EpisodeLoop, InfoField, LoopState
 from prp_gym.errors import (
     EpisodeError,
     InvalidValueError,
@@ -116,6 +116,11 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
     def control_frequency(self) -> float:
         """Actions a second [Hz]."""
         return self.config.control_frequency
+
+    @property
+    def info_fields(self) -> tuple[InfoField, ...]:
+        """The numbers that `step` returns in `info`, with unit and meaning."""
+        return self._loop.info_fields
 
     @property
     def duration(self) -> float:

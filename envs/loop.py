@@ -61,11 +61,11 @@ class Step(NamedTuple):
     info: Array
 
 
-def _count(flags: NDArray[np.bool_]) -> Array | float:
-    """Flags set in each row (N, 3); mostly there are none."""
-    if not np.count_nonzero(flags):
-        return 0.0
-    counts: Array = np.add.reduce(flags, axis=1, dtype=np.float64)
+def _count(values: NDArray[Any]) -> NDArray[Any] | int:
+    """How many values in each row (N, 3) are not zero; mostly none."""
+    if not np.count_nonzero(values):
+        return 0
+    counts: NDArray[np.intp] = np.count_nonzero(values, axis=1)
     return counts
 
 
@@ -99,10 +99,11 @@ class EpisodeLoop:
         self.info_fields = (*terms, *COMMON_INFO)
         self._actuators = make_actuators(scenario, num_envs)
         self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency)
-        self._steps = np.zeros(num_envs)  # whole numbers
         self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
         self._playable = False
-        self._horizon = float(config.horizon)
+        self._limit = np.tile(self.torque_limit, (num_envs, 1))
+        self._bound = np.tile(_STATE_BOUND, (num_envs, 1))
+        self._horizon, self._substeps = config.horizon, config.substeps
         self._frequency = float(config.control_frequency)
         self._space = task.layout.space()
 
@@ -141,7 +142,6 @@ class EpisodeLoop:
             np.stack([start.joint_velocity for start in starts]),
         )
         self._window.begin(ids, self.task.reference)
-        self._steps[ids] = 0
         self._unplayable[ids] = False
         self._playable = not self._unplayable.any()
         return self._observe()
@@ -174,31 +174,31 @@ class EpisodeLoop:
             raise EpisodeError(self._why_not_playable())
         if action.shape != (self.num_envs, 3):
             raise ShapeError("action", action.shape, f"({self.num_envs}, 3)")
-        saturated: Array | float = 0.0
+        saturated: NDArray[Any] | int = 0
         inside = np.abs(action) < 1.0
         if not all_true(inside):
             if not np.isfinite(action).all():
                 raise NonFiniteError("action", action.tolist())
             action = np.clip(action, -1.0, 1.0)
             saturated = _count(~inside)
-        command = action * self.torque_limit
+        command = action * self._limit
         self.physics.set_torque(self._actuators.apply(command))
-        self.physics.advance(self.config.substeps)
-        self._steps += 1
+        self.physics.advance(self._substeps)
         self._window.advance(self.task.reference)
         return self._judge(command, saturated)
 
-    def _judge(self, command: Array, saturated: Array | float) -> Step:
+    def _judge(self, command: Array, saturated: NDArray[Any] | int) -> Step:
+        elapsed = self._window.elapsed
         observation = self._observe()
         contributions = self.reward(self.task.errors(observation, command))
         terms = contributions.shape[1]
         info = np.empty((self.num_envs, terms + len(COMMON_INFO)))
         info[:, :terms] = contributions
-        info[:, terms] = _count(self.physics.joints_at_stop)
+        info[:, terms] = _count(self.physics.stop_violation)
         info[:, terms + 1] = saturated
-        info[:, terms + 2] = self.time
-        truncated = self._steps >= self._horizon
-        within = np.abs(observation[:, :6]) <= _STATE_BOUND
+        info[:, terms + 2] = elapsed / self._frequency
+        truncated = elapsed >= self._horizon
+        within = np.abs(observation[:, :6]) <= self._bound
         if all_true(within):
             terminated = np.zeros(self.num_envs, dtype=np.bool_)
             return Step(observation, np.add.reduce(contributions, axis=1), terminated, truncated, info)
@@ -235,8 +235,8 @@ class EpisodeLoop:
     @property
     def time(self) -> Array:
         """(N) since the start of each episode [s]."""
-        elapsed: Array = self._steps / self._frequency
-        return elapsed
+        seconds: Array = self._window.elapsed / self._frequency
+        return seconds
 
     def get_state(self) -> LoopState:
         """Copy of all that determines how the environments go on."""
@@ -251,14 +251,14 @@ class EpisodeLoop:
         Raises:
             InvalidValueError: a state of another number of environments.
         """
-        if len(state.rest["_steps"]) != self.num_envs:
+        if len(state.rest["_unplayable"]) != self.num_envs:
             raise InvalidValueError(
-                "state's number of environments", len(state.rest["_steps"]), f"{self.num_envs}"
+                "state's number of environments", len(state.rest["_unplayable"]), f"{self.num_envs}"
             )
         self.physics.restore(state.physics)
         self.__dict__.update(copy.deepcopy(state.rest))
         return self._observe()
 
     def _rest(self) -> dict[str, Any]:
-        names = ("task", "_actuators", "_window", "_steps", "_unplayable", "_playable")
+        names = ("task", "_actuators", "_window", "_unplayable", "_playable")
         return {name: getattr(self, name) for name in names}

@@ -1,4 +1,4 @@
-"""References looked up instead of computed at every step: a window of the coming steps, for N at once."""
+"""The clock of N environments, and their references looked up in a window of the coming steps."""
 
 from collections.abc import Callable
 
@@ -14,7 +14,7 @@ Sampler = Callable[[Array, NDArray[np.intp]], Array]
 
 
 class ReferenceWindow:
-    """The reference part of the observations, step by step.
+    """Counts periods, and gives the reference part of the observations at each.
 
     Times are whole numbers of periods since each environment's own start, so that what an environment
     observes does not depend on the window or on its neighbours.
@@ -46,6 +46,12 @@ class ReferenceWindow:
         self._tick += 1
         if self._tick - self._first >= self._length:
             self._fill(sampler)
+
+    @property
+    def elapsed(self) -> NDArray[np.int64]:
+        """(N): periods since the start of each environment's episode."""
+        count: NDArray[np.int64] = self._tick - self._origin
+        return count
 
     @property
     def current(self) -> Array:

@@ -1,15 +1,27 @@
 """Every error that prp_gym raises on purpose: one root, facts as attributes, a message that helps.
 
-Each message says what was wrong, which value, in which unit, and what is allowed. The classes also
-derive from `ValueError`, so that code which knows nothing of this package can catch them.
+Each message says what was wrong, which value, in which unit, and what is allowed. Those about a value
+also derive from `ValueError`, those about a state from `RuntimeError`, so that code which knows nothing
+of this package can catch them. All of them survive pickling, as vector environments in processes need.
 """
 
 import difflib
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 
 class PRPError(Exception):
     """Root of all errors raised by prp_gym."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (type(self), self.args, vars(self))
+
+
+def _rebuild(kind: type[PRPError], arguments: tuple[Any, ...], facts: dict[str, Any]) -> PRPError:
+    """An unpickled error, with its message and facts, made without running its constructor."""
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(facts)
+    return error
 
 
 class UnknownNameError(PRPError, ValueError):
@@ -80,8 +92,8 @@ class UnreachableError(PRPError, ValueError):
         self.broken = tuple(broken)
         point = ", ".join(f"{value:.6g}" for value in self.position)
         super().__init__(
-            f"tip position ({point}) m in the world frame is out of reach: the closest configuration within"
-            f" the limits misses it by {residual:.6g} m; broken: {'; '.join(self.broken)}."
+            f"tip position ({point}) m in the world frame is out of reach: the nearest branch, clipped to"
+            f" the joint limits, misses it by {residual:.6g} m; broken: {'; '.join(self.broken)}."
         )
 
 

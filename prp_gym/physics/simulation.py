@@ -85,6 +85,10 @@ class Physics:
         after_stops = MEASUREMENT_SIZE + (3 if self.settings.joint_stops else 0)
         self._kinematic_sensors = self._sensors[:, :MEASUREMENT_SIZE]
         self._stop_sensors = self._sensors[:, MEASUREMENT_SIZE:after_stops]
+        if not self.settings.joint_stops:
+            self._stop_sensors = np.zeros((count, 3))
+        self._gain = np.tile(_MEASUREMENT_GAIN, (count, 1))
+        self._offset = np.tile(_MEASUREMENT_OFFSET, (count, 1))
         self._force_sensors = self._sensors[:, after_stops : after_stops + 3]
         self._home_tip = Kinematics(self.parameters).forward_kinematics(np.zeros(3))[:3]
         self._tip_body = model.body("link_3").id
@@ -104,8 +108,8 @@ class Physics:
 
     def measure(self, out: Array) -> None:
         """Write `measurement` into an array (N, 18)."""
-        np.multiply(self._kinematic_sensors, _MEASUREMENT_GAIN, out=out)
-        out += _MEASUREMENT_OFFSET
+        np.multiply(self._kinematic_sensors, self._gain, out=out)
+        np.add(out, self._offset, out=out)
 
     @property
     def joint_position(self) -> Array:
@@ -128,10 +132,14 @@ class Physics:
         return self._sensors[:, 12:15]
 
     @property
+    def stop_violation(self) -> Array:
+        """(N, 3) how far joints are beyond their stops, negative; 0 within [rad, m, rad]."""
+        violation: Array = self._stop_sensors
+        return violation
+
+    @property
     def joints_at_stop(self) -> NDArray[np.bool_]:
         """(N, 3), whether a joint is at or beyond its stop."""
-        if not self.settings.joint_stops:
-            return np.zeros((self.num_simulations, 3), dtype=np.bool_)
         touching: NDArray[np.bool_] = self._stop_sensors != 0.0
         return touching
 
@@ -192,7 +200,7 @@ class Physics:
         shared = self._batch.model.body_invweight0[self._tip_body, 0]
         inverse_weight = np.full(len(ids), shared) if weights is None else weights[ids, self._tip_body, 0]
         self._batch.expand("pair_solref")[ids, 0] = surface.solver_reference(inverse_weight)
-        gap = surface.offset - TIP_RADIUS - surface.normal @ self._home_tip
+        gap = surface.offset - TIP_RADIUS - (surface.normal * self._home_tip).sum(axis=-1)
         place = self._home_tip + gap[:, None] * surface.normal
         self._batch.expand("body_pos")[ids, body] = place
         self._batch.expand("body_quat")[ids, body] = surface.quaternions()
@@ -232,9 +240,13 @@ class Physics:
             raise InvalidValueError(
                 "snapshot's state shape", state.integration.shape, f"{self._batch.state.shape}"
             )
-        for name, values in state.model_fields.items():
-            self._batch.expand(name)[:] = values
-        if "body_mass" in state.model_fields:
+        masses = self._batch.expanded("body_mass") is not None
+        for name in _EXPANDED:
+            if name in state.model_fields:
+                self._batch.expand(name)[:] = state.model_fields[name]
+            elif self._batch.expanded(name) is not None:
+                self._batch.expand(name)[:] = getattr(self._batch.model, name)
+        if masses or "body_mass" in state.model_fields:
             self._batch.set_const()
         self._batch.state[:] = state.integration
         self._batch.forward(stage=self._stage)

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from prp_gym.errors import UnreachableError
+from prp_gym.errors import NonFiniteError, UnreachableError
 from prp_gym.robot.arrays import Array, as_vectors
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import JOINT_UNITS
 
-_LIMIT_TOLERANCE = 1e-9  # [rad] or [m]: rounding of a point that lies exactly on a limit
+_TOLERANCE = 1e-8  # [rad] or [m]: rounding of a point on a limit, √ε a_3 where a branch folds
 _COS_3_SIGNS = np.array([1.0, 1.0, -1.0, -1.0])
 _REACH_SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
 
@@ -56,15 +56,18 @@ class InverseKinematics(Kinematics):
 
         Raises:
             ShapeError: not three components.
+            NonFiniteError: NaN or infinity in the point.
         """
         point = as_vectors(tip_position, "tip_position")
-        joints = branches(self, point)
+        if not np.isfinite(point).all():
+            raise NonFiniteError("tip_position", point.tolist())
         low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
-        inside = (joints >= low - _LIMIT_TOLERANCE) & (joints <= high + _LIMIT_TOLERANCE)
+        joints = self._turned_into_range(branches(self, point))
+        inside = (joints >= low - _TOLERANCE) & (joints <= high + _TOLERANCE)
         within = np.logical_and.reduce(inside, axis=-1)
         missed = np.abs(self.forward_kinematics(joints)[..., :3] - point[..., None, :]).max(axis=-1)
         joints = np.where(within[..., None], np.clip(joints, low, high), joints)
-        return joints, within & (missed < _LIMIT_TOLERANCE)
+        return joints, within & (missed < _TOLERANCE)
 
     def inverse_kinematics(self, tip_position: ArrayLike, seed: ArrayLike) -> Array:
         """The joint position that attains a point and lies nearest to a seed.
@@ -78,11 +81,13 @@ class InverseKinematics(Kinematics):
 
         Raises:
             ShapeError: not three components.
+            NonFiniteError: NaN or infinity in the point.
             UnreachableError: no branch attains the point within the limits; it carries the distance
-                [m] by which the closest configuration misses and the limits that were broken.
+                [m] by which the nearest branch, clipped to the limits, misses, and what was broken.
         """
         point = as_vectors(tip_position, "tip_position")
         start = as_vectors(seed, "seed")
+        point = np.broadcast_to(point, np.broadcast_shapes(point.shape, start.shape))
         joints, valid = self.inverse_kinematics_branches(point)
         reachable = valid.any(axis=-1)
         if not reachable.all():
@@ -93,9 +98,19 @@ class InverseKinematics(Kinematics):
         chosen: Array = np.take_along_axis(joints, best[..., None, None], axis=-2)[..., 0, :]
         return chosen
 
+    def _turned_into_range(self, joints: Array) -> Array:
+        """The same angles of joints 1 and 3 (..., 3), full turns away where that is within the limits."""
+        for joint in (0, 2):
+            low, high = self.parameters.joint_lower[joint], self.parameters.joint_upper[joint]
+            angle = joints[..., joint]
+            turned = low + np.mod(angle - low, 2 * np.pi)
+            outside = (angle < low - _TOLERANCE) | (angle > high + _TOLERANCE)
+            joints[..., joint] = np.where(outside & (turned <= high + _TOLERANCE), turned, angle)
+        return joints
+
     def _unreachable(self, point: Array) -> UnreachableError:
         low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
-        joints = branches(self, point)
+        joints = self._turned_into_range(branches(self, point))
         clipped = np.clip(joints, low, high)
         misses = np.linalg.norm(self.forward_kinematics(clipped)[..., :3] - point, axis=-1)
         best = int(misses.argmin())
@@ -118,7 +133,7 @@ class InverseKinematics(Kinematics):
                 f"distance {radius:.6g} m from joint 1's axis is below {geometry.first_link_offset:g} m"
             )
         for index, unit in enumerate(JOINT_UNITS):
-            if not low[index] - _LIMIT_TOLERANCE <= joint[index] <= high[index] + _LIMIT_TOLERANCE:
+            if not low[index] - _TOLERANCE <= joint[index] <= high[index] + _TOLERANCE:
                 broken.append(
                     f"joint {index + 1} would be {joint[index]:.6g} {unit}, allowed {low[index]:.6g} to"
                     f" {high[index]:.6g} {unit}"

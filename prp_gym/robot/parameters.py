@@ -139,8 +139,12 @@ class RobotParameters:
     def __post_init__(self) -> None:
         for name, unit in (("link_mass", "kg"), ("torque_limit", "/".join(TORQUE_UNITS))):
             _require(name, getattr(self, name), unit, minimum=0.0, strict=True)
-        for name in ("viscous_friction", "coulomb_friction"):
-            _require(name, getattr(self, name), "N·m·s/rad", minimum=0.0, strict=False)
+        _require("viscous_friction", self.viscous_friction, "N·m·s/rad, N·s/m", minimum=0.0, strict=False)
+        _require("coulomb_friction", self.coulomb_friction, "N·m, N", minimum=0.0, strict=False)
+        if len(self.link_inertia) != 3:
+            raise InvalidValueError(
+                "link_inertia", self.link_inertia, "three moments for each of three links"
+            )
         for index, moments in enumerate(self.link_inertia, start=1):
             _require(f"link_inertia of link {index}", moments, "kg·m²", minimum=0.0, strict=True)
             if 2 * max(moments) > sum(moments) * (1 + 1e-12):
@@ -149,6 +153,9 @@ class RobotParameters:
                 )
         if not math.isfinite(self.gravity):
             raise InvalidValueError("gravity", self.gravity, "a finite number", "m/s²")
+        for name in ("joint_lower", "joint_upper"):
+            if len(getattr(self, name)) != 3:
+                raise InvalidValueError(name, getattr(self, name), "three numbers", "rad, m, rad")
         if not all(low < high for low, high in zip(self.joint_lower, self.joint_upper, strict=True)):
             raise InvalidValueError("joint_upper", self.joint_upper, f"above joint_lower {self.joint_lower}")
 
@@ -161,10 +168,12 @@ class RobotParameters:
 
     def with_masses(self, masses: Sequence[float]) -> Self:
         """The same shapes with other link masses (3) [kg]; the inertias scale with the masses."""
+        _require("masses", masses, "kg", minimum=0.0, strict=True)
         return self.scaled([new / old for new, old in zip(masses, self.link_mass, strict=True)])
 
     def scaled(self, factors: Sequence[float]) -> Self:
         """Masses and inertias multiplied by a factor per link (3), as for a link of another density."""
+        _require("mass factors", factors, "", minimum=0.0, strict=True)
         f1, f2, f3 = (float(factor) for factor in factors)
         m1, m2, m3 = self.link_mass
         i1, i2, i3 = self.link_inertia

@@ -1,0 +1,1 @@
+"""Measurements: speed and gain sweeps; run by `make bench` or as `python -m bench.NAME`."""

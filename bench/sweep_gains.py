@@ -1,0 +1,75 @@
+"""The sweep that found the `tuned` gains: `python -m bench.sweep_gains`.
+
+Gains follow from a bandwidth ω and a damping ratio ζ, the same for all joints: K_P = ω², K_D = 2ζω for
+inverse dynamics; for PD control both are multiplied by the joint's mean inertia over the joint range.
+A candidate's score is the mean over the scenarios `randomized` and `realistic`, on episodes whose seeds no
+evaluation uses: gains that look good on the nominal arm alone may chatter with a late torque.
+"""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+import prp_gym
+from prp_gym.robot.arrays import Array
+
+FREQUENCIES = (6.0, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0, 56.0, 80.0)  # rad/s
+DAMPING_RATIOS = (0.7, 1.0, 1.4)
+EPISODES = 12  # in each scenario
+SCENARIOS = ("randomized", "realistic")
+FIRST_SEED = 1_000_000
+LAWS = ("joint_pd", "joint_inverse_dynamics")
+
+
+def mean_inertia() -> Array:
+    """Diagonal of B, averaged over the joint range (3) [kg m^2, kg, kg m^2]."""
+    arm = prp_gym.PRPArm()
+    rng = np.random.default_rng(0)
+    q = rng.uniform(arm.parameters.joint_lower, arm.parameters.joint_upper, (10_000, 3))
+    inertia: Array = np.einsum("nii->ni", arm.inertia_matrix(q)).mean(axis=0)
+    return inertia
+
+
+def gains(law: str, frequency: float, damping_ratio: float) -> dict[str, Array]:
+    """Settings of a law for a bandwidth [rad/s] and damping ratio."""
+    inertia = mean_inertia() if law == "joint_pd" else np.ones(3)
+    return {
+        "proportional_gain": inertia * frequency**2,
+        "derivative_gain": inertia * 2 * damping_ratio * frequency,
+    }
+
+
+def sweep(law: str, envs: list[gymnasium.Env[Any, Any]]) -> list[tuple[float, float, float]]:
+    """Score, bandwidth and damping ratio of every candidate, best first."""
+    candidates = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS]
+    results = []
+    for frequency, ratio in track(candidates, description=law):
+        policy = prp_gym.make_baseline(law, envs[0], "report", **gains(law, frequency, ratio))
+        scores = [prp_gym.evaluate(policy, env, EPISODES, FIRST_SEED).score.value for env in envs]
+        results.append((sum(scores) / len(scores), frequency, ratio))
+    return sorted(results, reverse=True)
+
+
+def main() -> None:
+    """Sweep every law on every joint-space environment and print the best candidates."""
+    console = Console(width=120)
+    for environment_id in prp_gym.list_envs():
+        envs = [gymnasium.make(environment_id, scenario=name) for name in SCENARIOS]
+        for law in LAWS:
+            table = Table(title=f"{law} on {environment_id}", title_justify="left")
+            for header in ("score", "ω [rad/s]", "ζ", "K_P", "K_D"):
+                table.add_column(header, justify="right")
+            for score, frequency, ratio in sweep(law, envs)[:5]:
+                numbers = [np.array2string(v, precision=4) for v in gains(law, frequency, ratio).values()]
+                table.add_row(f"{score:.4f}", f"{frequency:g}", f"{ratio:g}", *numbers)
+            console.print(table)
+        for env in envs:
+            env.close()
+
+
+if __name__ == "__main__":
+    main()

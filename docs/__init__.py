@@ -1,0 +1,1 @@
+"""The documentation; its tables are generated from the code by `docs.generate`."""
