@@ -4,9 +4,8 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
-SOURCES := prp_gym envs baselines agents tests bench docs
 
-.PHONY: evaluate test lint type bench docs sweep clean
+.PHONY: evaluate test lint type bench docs pictures sweep clean
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
@@ -29,6 +28,9 @@ sweep: $(VENV)/.dev
 
 docs: $(VENV)/.dev
 	$(BIN)/python -m docs.generate
+
+pictures: $(VENV)/.dev
+	$(BIN)/python -m docs.pictures
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results

@@ -123,5 +123,5 @@ class JointTask(Task[JointStart]):
         if not trajectory.is_constant:
             time = np.linspace(0.0, duration, _PATH_POINTS)[:, None]
             points = self.arm.forward_kinematics(trajectory.sample(time)[:, 0, :3])[:, :3]
-            marks.append(Path(points, 0.003, PATH_COLOR))
+            marks.append(Path(points, 2.0, PATH_COLOR))
         return marks

@@ -37,7 +37,7 @@ class InfoField:
 
 
 COMMON_INFO = (
-    InfoField("cost_joint_stop", "joints", "joints at or beyond a stop"),
+    InfoField("cost_joint_stop", "joints", "joints beyond a stop"),
     InfoField("cost_saturation", "joints", "joints whose action is at or beyond the actuator limit"),
     InfoField("time", "s", "since the start of the episode"),
 )

@@ -5,9 +5,11 @@
 
 import os
 import sys
+from ctypes.util import find_library
 
-if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ):
-    os.environ.setdefault("MUJOCO_GL", "egl")  # read once, when mujoco is first imported
+if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL"} & set(os.environ):
+    if find_library("EGL"):  # without it mujoco itself could not be imported
+        os.environ["MUJOCO_GL"] = "egl"  # read once, when mujoco is first imported
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

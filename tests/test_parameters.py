@@ -210,12 +210,23 @@ def test_empty_joint_range_is_refused(upper: float) -> None:
     assert caught.value.what == "joint_upper"
 
 
-@pytest.mark.parametrize("gravity", [NAN, INFINITY])
-def test_gravity_that_is_not_finite_is_refused(gravity: float) -> None:
-    with pytest.raises(InvalidValueError, match=r"gravity is .* m/s²; allowed: a finite number"):
+@pytest.mark.parametrize("gravity", [NAN, INFINITY, -9.81])
+def test_gravity_that_is_negative_or_not_finite_is_refused(gravity: float) -> None:
+    with pytest.raises(InvalidValueError, match=r"gravity is .* m/s²; allowed: at least 0 and finite"):
         RobotParameters(gravity=gravity)
 
 
 def test_negative_density_is_refused() -> None:
     with pytest.raises(InvalidValueError, match="link_mass"):
         RobotParameters.from_geometry(ArmGeometry(), density=-1.0)
+
+
+def test_numpy_scalars_become_plain_numbers() -> None:
+    mass = (np.float64(1.0), np.float64(0.5), np.float64(0.7))
+    parameters = RobotParameters(
+        geometry=ArmGeometry(base_height=np.float64(0.2)), link_mass=mass, gravity=np.float64(9.8)
+    )
+    assert parameters == RobotParameters(
+        geometry=ArmGeometry(base_height=0.2), link_mass=(1.0, 0.5, 0.7), gravity=9.8
+    )
+    assert "np." not in repr(parameters)

@@ -238,7 +238,7 @@ METRICS = (
     Metric(
         "joint_stop",
         ("%",),
-        "share of joints and steps at or beyond a joint stop",
+        "share of joints and steps beyond a joint stop",
         (),
         lambda r: np.array([100.0 * r.info["cost_joint_stop"].mean() / 3]),
     ),

@@ -1,11 +1,12 @@
 """The MuJoCo model of the arm, generated from `RobotParameters`."""
 
+import math
 from dataclasses import dataclass
 
 import mujoco
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.physics.surface import IMPEDANCE
+from prp_gym.physics.surface import IMPEDANCE, IMPEDANCE_RATIO
 from prp_gym.robot.parameters import NOMINAL, RobotParameters, Vector3
 
 TIP_RADIUS = 0.02
@@ -32,10 +33,12 @@ class PhysicsSettings:
     surface_friction: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.timestep > 0.0:
-            raise InvalidValueError("timestep", self.timestep, "above 0", "s")
-        if not self.surface_friction >= 0.0:
-            raise InvalidValueError("surface_friction", self.surface_friction, "at least 0")
+        if not (self.timestep > 0.0 and math.isfinite(self.timestep)):
+            raise InvalidValueError("timestep", self.timestep, "above 0 and finite", "s")
+        if not (self.surface_friction >= 0.0 and math.isfinite(self.surface_friction)):
+            raise InvalidValueError("surface_friction", self.surface_friction, "at least 0 and finite")
+        object.__setattr__(self, "timestep", float(self.timestep))
+        object.__setattr__(self, "surface_friction", float(self.surface_friction))
 
 
 def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | None = None) -> str:
@@ -50,10 +53,11 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
         motors in [N m, N, N m] without gear or limit, cameras `overview` and `top`.
     """
     world = PhysicsSettings() if settings is None else settings
+    ratio = IMPEDANCE_RATIO if world.surface_friction > 0.0 else 1.0
     return "\n".join(
         [
             '<mujoco model="prp">',
-            _OPTIONS.format(timestep=world.timestep, gravity=parameters.gravity),
+            _OPTIONS.format(timestep=world.timestep, gravity=0.0 - parameters.gravity, ratio=ratio),
             _SCENERY,
             _arm(parameters, world),
             _surface_body() if world.surface else "",
@@ -75,13 +79,14 @@ def compile_model(parameters: RobotParameters, settings: PhysicsSettings) -> muj
 
 _OPTIONS = """
 <compiler angle="radian" autolimits="false"/>
-<option timestep="{timestep!r}" integrator="Euler" cone="elliptic" gravity="0 0 -{gravity!r}">
+<option timestep="{timestep!r}" integrator="Euler" cone="elliptic" impratio="{ratio!r}"
+        gravity="0 0 {gravity!r}">
   <flag autoreset="disable"/>
 </option>
 <statistic center="0.15 -0.1 0.2" extent="1.0"/>
 <visual>
   <headlight ambient="0.30 0.30 0.30" diffuse="0.25 0.25 0.25" specular="0.05 0.05 0.05"/>
-  <quality shadowsize="2048"/>
+  <quality shadowsize="1024"/>
   <map znear="0.01" zfar="20" shadowclip="2"/>
 </visual>"""
 

@@ -2,6 +2,7 @@
 
 import os
 import sys
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -25,6 +26,7 @@ NO_DISPLAY = (
     " unset); use 'rgb_array', or start a virtual display."
 )
 _MOST_MARKS = 1000
+_CLOSING_TIMEOUT = 5.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Ball:
 
 @dataclass(frozen=True)
 class Path:
-    """A line through points (k, 3) in the world frame [m]."""
+    """A line through points (k, 3) in the world frame [m], its width in pixels."""
 
     points: Array
     width: float
@@ -67,7 +69,7 @@ def add_marks(scene: mujoco.MjvScene, marks: Sequence[Mark]) -> None:
                 _add_geom(scene, mujoco.mjtGeom.mjGEOM_SPHERE, size, mark.center, mark.color)
             case Path():
                 for start, end in zip(mark.points[:-1], mark.points[1:], strict=True):
-                    _add_connector(scene, mujoco.mjtGeom.mjGEOM_CAPSULE, mark.width, start, end, mark.color)
+                    _add_connector(scene, mujoco.mjtGeom.mjGEOM_LINE, mark.width, start, end, mark.color)
             case Arrow():
                 end = mark.start + mark.vector
                 _add_connector(scene, mujoco.mjtGeom.mjGEOM_ARROW, mark.width, mark.start, end, mark.color)
@@ -113,7 +115,7 @@ class OffscreenRenderer:
         self._camera = camera
         try:
             self._renderer = mujoco.Renderer(model, height, width, max_geom=_MOST_MARKS)
-        except (RuntimeError, AttributeError, mujoco.FatalError) as error:
+        except (RuntimeError, AttributeError, ImportError, mujoco.FatalError) as error:
             raise RenderingError(
                 f"MuJoCo can open no drawing context here ({error}). Without a display set MUJOCO_GL=egl (or"
                 " osmesa) before mujoco is first imported, and install Mesa's EGL library (Debian: libegl1)."
@@ -167,12 +169,14 @@ class WindowRenderer:
         if not has_display():
             raise RenderingError(NO_DISPLAY)
         self._model, self._data = model, data
+        before = set(threading.enumerate())
         try:
             import mujoco.viewer
 
             self._viewer = mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
         except (RuntimeError, ImportError, mujoco.FatalError) as error:
             raise RenderingError(f"render_mode 'human' needs a display and OpenGL: {error}") from error
+        self._threads = set(threading.enumerate()) - before
         with self._viewer.lock():
             self._viewer.cam.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
             self._viewer.cam.fixedcamid = model.camera(camera).id
@@ -191,8 +195,10 @@ class WindowRenderer:
         self._viewer.sync()
 
     def close(self) -> None:
-        """Close the window."""
+        """Close the window, and wait for its thread: a process that ends before it would crash."""
         self._viewer.close()
+        for thread in self._threads:
+            thread.join(_CLOSING_TIMEOUT)
 
 
 def check_view(width: int, height: int, camera: str) -> None:

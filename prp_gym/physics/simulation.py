@@ -7,9 +7,9 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.mjcf import TIP_RADIUS, PhysicsSettings, compile_model
-from prp_gym.physics.surface import Surface
+from prp_gym.physics.surface import Surface, friction_reference
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
@@ -30,6 +30,7 @@ _EXPANDED = (
     "body_pos",
     "body_quat",
     "pair_solref",
+    "pair_solreffriction",
 )
 
 
@@ -85,11 +86,15 @@ class Physics:
         after_stops = MEASUREMENT_SIZE + (3 if self.settings.joint_stops else 0)
         self._kinematic_sensors = self._sensors[:, :MEASUREMENT_SIZE]
         self._stop_sensors = self._sensors[:, MEASUREMENT_SIZE:after_stops]
-        if not self.settings.joint_stops:
-            self._stop_sensors = np.zeros((count, 3))
         self._gain = np.tile(_MEASUREMENT_GAIN, (count, 1))
         self._offset = np.tile(_MEASUREMENT_OFFSET, (count, 1))
         self._force_sensors = self._sensors[:, after_stops : after_stops + 3]
+        nothing = np.zeros((count, 3))
+        nothing.flags.writeable = False
+        if not self.settings.joint_stops:
+            self._stop_sensors = nothing
+        if not self.settings.surface:
+            self._force_sensors = nothing
         self._home_tip = Kinematics(self.parameters).forward_kinematics(np.zeros(3))[:3]
         self._tip_body = model.body("link_3").id
         self._batch.reset(stage=self._stage)
@@ -139,15 +144,13 @@ class Physics:
 
     @property
     def joints_at_stop(self) -> NDArray[np.bool_]:
-        """(N, 3), whether a joint is at or beyond its stop."""
+        """(N, 3), whether a joint is beyond its stop."""
         touching: NDArray[np.bool_] = self._stop_sensors != 0.0
         return touching
 
     @property
     def contact_force(self) -> Array:
         """(N, 3) force by the tip on the surface, world frame [N]; zero without contact or surface."""
-        if not self.settings.surface:
-            return np.zeros((self.num_simulations, 3))
         force: Array = self._force_sensors
         return force
 
@@ -161,7 +164,7 @@ class Physics:
         self._torque[:] = torque
 
     def advance(self, substeps: int) -> None:
-        """Integrate every simulation over a number of time steps; all answers are current afterwards."""
+        """Integrate every simulation over a number of time steps, at least 1; all answers are current."""
         self._batch.step(nstep=substeps, stage=self._stage)
 
     def reset(self, ids: Ids, joint_position: Array, joint_velocity: Array) -> None:
@@ -173,9 +176,11 @@ class Physics:
             joint_velocity: (n, 3) [rad/s, m/s, rad/s].
 
         Raises:
+            ShapeError: another shape; nothing was changed.
             NonFiniteError: NaN or infinity in the state; nothing was changed.
         """
         for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
+            self._check_rows(what, values, (len(ids), 3))
             if not np.isfinite(values).all():
                 raise NonFiniteError(what, np.asarray(values).tolist())
         self._batch.reset(ids, stage=int(mujoco.mjtStage.mjSTAGE_NONE))
@@ -192,14 +197,15 @@ class Physics:
 
         Raises:
             InvalidValueError: the world was built without a surface.
+            ShapeError: not n planes.
         """
         if not self.settings.surface:
             raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
+        self._check_rows("surface", surface.normal, (len(ids), 3))
         body = self._batch.model.body("surface").id
-        weights = self._batch.expanded("body_invweight0")
-        shared = self._batch.model.body_invweight0[self._tip_body, 0]
-        inverse_weight = np.full(len(ids), shared) if weights is None else weights[ids, self._tip_body, 0]
+        inverse_weight = self._inverse_weight(ids)
         self._batch.expand("pair_solref")[ids, 0] = surface.solver_reference(inverse_weight)
+        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(inverse_weight)
         gap = surface.offset - TIP_RADIUS - (surface.normal * self._home_tip).sum(axis=-1)
         place = self._home_tip + gap[:, None] * surface.normal
         self._batch.expand("body_pos")[ids, body] = place
@@ -208,14 +214,28 @@ class Physics:
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
     ) -> None:
-        """Give some simulations their own masses and friction; call it before `set_surface`.
+        """Give some simulations their own masses and friction; their surfaces stay as they are.
 
         Args:
             ids: (n) the simulations.
             mass_factor: (n, 3) factors on each link's mass and inertia.
             viscous_friction: F_v (n, 3) [N m s/rad, N s/m, N m s/rad].
             coulomb_friction: F_s (n, 3) [N m, N, N m].
+
+        Raises:
+            ShapeError: another shape.
+            InvalidValueError: a factor that is not positive, negative friction, a value that is not finite.
         """
+        for what, values, allowed in (
+            ("mass_factor", mass_factor, "above 0"),
+            ("viscous_friction", viscous_friction, "at least 0"),
+            ("coulomb_friction", coulomb_friction, "at least 0"),
+        ):
+            self._check_rows(what, values, (len(ids), 3))
+            good = np.isfinite(values) & ((values > 0.0) if allowed == "above 0" else (values >= 0.0))
+            if not good.all():
+                raise InvalidValueError(what, values[~good][0], f"{allowed} and finite")
+        before = self._inverse_weight(ids)
         links = [self._batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
         model, rows = self._batch.model, np.asarray(ids)[:, None]
         self._batch.expand("body_mass")[rows, links] = mass_factor * model.body_mass[links]
@@ -223,6 +243,21 @@ class Physics:
         self._batch.expand("dof_damping")[ids] = viscous_friction
         self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
         self._batch.set_const(ids)
+        if self._batch.expanded("pair_solref") is not None:
+            ratio = (self._inverse_weight(ids) / before)[:, None]
+            self._batch.expand("pair_solref")[ids, 0] *= ratio
+            self._batch.expand("pair_solreffriction")[ids, 0] *= ratio
+
+    def _inverse_weight(self, ids: Ids) -> Array:
+        """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
+        own = self._batch.expanded("body_invweight0")
+        if own is None:
+            return np.full(len(ids), self._batch.model.body_invweight0[self._tip_body, 0])
+        return np.array(own[ids, self._tip_body, 0])
+
+    def _check_rows(self, what: str, values: Array, shape: tuple[int, ...]) -> None:
+        if np.shape(values) != shape:
+            raise ShapeError(what, np.shape(values), f"{shape}")
 
     def snapshot(self) -> PhysicsState:
         """Copy of all that determines how the simulations go on: state, solver's warm start, models."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
@@ -11,7 +12,13 @@ IMPEDANCE = 1e-4
 """d of MuJoCo's solimp, its smallest value: it leaves d/((1-d)Â), 0.13 g here, as a spurious added mass."""
 
 
-@dataclass(frozen=True)
+IMPEDANCE_RATIO = 3000.0
+"""MuJoCo's impratio in worlds with friction: so stiff a friction leaves the normal force alone."""
+
+_FRICTION_DAMPING = 300.0  # [N s/m]: below a slip speed of mu f_n / this, friction is viscous
+
+
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Elastic planes, one per simulation: the points p with normal·p = offset.
 
@@ -37,24 +44,26 @@ class Surface:
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "damping", "normal", "offset"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
-        count = self.stiffness.shape[:1]
-        for name, shape in (
-            ("stiffness", count),
-            ("damping", count),
-            ("normal", (*count, 3)),
-            ("offset", count),
-        ):
-            if getattr(self, name).shape != shape or len(count) != 1:
-                raise ShapeError(f"surface {name}", getattr(self, name).shape, f"{shape}")
+            own = np.array(getattr(self, name), dtype=np.float64)
+            own.flags.writeable = False
+            object.__setattr__(self, name, own)
+        count = self.stiffness.shape[0] if self.stiffness.ndim == 1 else 0
+        for name in ("stiffness", "damping", "normal", "offset"):
+            shape = (count, 3) if name == "normal" else (count,)
+            if count == 0 or getattr(self, name).shape != shape:
+                expected = "(n, 3)" if name == "normal" else "(n,), n at least 1"
+                raise ShapeError(f"surface {name}", getattr(self, name).shape, expected)
         self._require("stiffness", self.stiffness > 0.0, "above 0", "N/m")
         self._require("damping", self.damping >= 0.0, "at least 0", "N·s/m")
-        length = np.linalg.norm(self.normal, axis=-1)
-        self._require("normal", length > 0.0, "a vector of positive length", "")
+        largest = np.abs(self.normal).max(axis=-1)
+        self._require("normal", largest > 0.0, "a vector of positive length", "")
         self._require("offset", np.isfinite(self.offset), "a finite number", "m")
-        object.__setattr__(self, "normal", self.normal / length[:, None])
+        scaled = self.normal / largest[:, None]  # so that the squares neither vanish nor overflow
+        normal = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
+        normal.flags.writeable = False
+        object.__setattr__(self, "normal", normal)
 
-    def _require(self, name: str, good: np.ndarray, allowed: str, unit: str) -> None:
+    def _require(self, name: str, good: NDArray[np.bool_], allowed: str, unit: str) -> None:
         values = getattr(self, name)
         good = good & np.isfinite(values).reshape(len(good), -1).all(axis=1)
         if not good.all():
@@ -97,3 +106,18 @@ class Surface:
         quaternion[down] = (0.0, 1.0, 0.0, 0.0)
         unit: Array = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
         return unit
+
+
+def friction_reference(inverse_weight: Array) -> Array:
+    """MuJoCo's `solreffriction` that makes the surface's friction stiff whatever the surface's damping.
+
+    Args:
+        inverse_weight: (n) `body_invweight0` (translation) of the tip's body [1/kg].
+
+    Returns:
+        (n, 2).
+
+    Source: [M] Computation, Solver parameters.
+    """
+    damping = _FRICTION_DAMPING * inverse_weight * (1.0 - IMPEDANCE) / IMPEDANCE_RATIO
+    return np.stack([np.zeros_like(damping), -damping], axis=-1)

@@ -47,6 +47,7 @@ class ArmGeometry:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
+            object.__setattr__(self, name, float(value))
             if not (math.isfinite(value) and value > 0.0):
                 raise InvalidValueError(name, value, "a positive length", "m")
 
@@ -95,6 +96,14 @@ def _cylinder(mass: float, radius: float, length: float) -> tuple[float, float]:
 
 
 ALUMINIUM_DENSITY = 2710.0
+_VECTORS = (
+    "link_mass",
+    "viscous_friction",
+    "coulomb_friction",
+    "joint_lower",
+    "joint_upper",
+    "torque_limit",
+)
 _GEOMETRY = ArmGeometry()
 _MASS: Vector3 = (
     ALUMINIUM_DENSITY * _GEOMETRY.volumes()[0],
@@ -151,13 +160,21 @@ class RobotParameters:
                 raise InvalidValueError(
                     f"link_inertia of link {index}", moments, "no moment above the sum of the others", "kg·m²"
                 )
-        if not math.isfinite(self.gravity):
-            raise InvalidValueError("gravity", self.gravity, "a finite number", "m/s²")
+        if not (math.isfinite(self.gravity) and self.gravity >= 0.0):
+            raise InvalidValueError("gravity", self.gravity, "at least 0 and finite", "m/s²")
         for name in ("joint_lower", "joint_upper"):
             if len(getattr(self, name)) != 3:
                 raise InvalidValueError(name, getattr(self, name), "three numbers", "rad, m, rad")
         if not all(low < high for low, high in zip(self.joint_lower, self.joint_upper, strict=True)):
             raise InvalidValueError("joint_upper", self.joint_upper, f"above joint_lower {self.joint_lower}")
+        self._make_plain()
+
+    def _make_plain(self) -> None:
+        """Python floats throughout, so that exports print numbers and equality is plain."""
+        object.__setattr__(self, "gravity", float(self.gravity))
+        object.__setattr__(self, "link_inertia", tuple(tuple(map(float, row)) for row in self.link_inertia))
+        for name in _VECTORS:
+            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
 
     @classmethod
     def from_geometry(cls, geometry: ArmGeometry, density: float = ALUMINIUM_DENSITY) -> Self:
