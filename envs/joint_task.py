@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import JointLimitError
+from prp_gym.errors import InvalidValueError, JointLimitError
 from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, Mark, Path
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import JOINT_UNITS
-from prp_gym.tasks.fields import JOINT_REFERENCE_FIELDS
+from prp_gym.tasks.fields import JOINT_REFERENCE_FIELDS, SPEED_BOUND
 from prp_gym.tasks.scenario import Range, Scenario
 from prp_gym.tasks.task import EpisodeStart, Task, TaskNumbers
 from prp_gym.tasks.trajectory import Trajectory
@@ -91,7 +91,13 @@ class JointTask(Task[JointStart]):
         trajectory, position = self.draw_trajectory(rng, start, options.get("goal"))
         position = options.get("joint_position", position)
         check_joint_limits(self.arm, "initial joint position", position)
-        return JointStart(position, options.get("joint_velocity", np.zeros(3)), trajectory)
+        velocity = options.get("joint_velocity", np.zeros(3))
+        if (np.abs(velocity) > SPEED_BOUND).any():
+            unit = "rad/s, m/s, rad/s"
+            raise InvalidValueError(
+                "initial joint velocity", velocity.tolist(), f"within ±{SPEED_BOUND}", unit
+            )
+        return JointStart(position, velocity, trajectory)
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[JointStart]) -> None:
         """See `Task.begin`."""

@@ -198,11 +198,12 @@ class EpisodeLoop:
         info[:, terms + 1] = saturated
         info[:, terms + 2] = elapsed / self._frequency
         truncated = elapsed >= self._horizon
-        within = np.abs(observation[:, :6]) <= self._bound
-        if all_true(within):
+        outside, unstable = np.abs(observation[:, :6]) > self._bound, self.physics.unstable
+        if not (np.count_nonzero(outside) or np.count_nonzero(unstable)):
             terminated = np.zeros(self.num_envs, dtype=np.bool_)
             return Step(observation, np.add.reduce(contributions, axis=1), terminated, truncated, info)
-        return self._diverged(observation, ~np.logical_and.reduce(within, axis=1), truncated, info, terms)
+        diverged = np.logical_or.reduce(outside, axis=1) | unstable
+        return self._diverged(observation, diverged, truncated, info, terms)
 
     def _diverged(
         self,
@@ -212,12 +213,12 @@ class EpisodeLoop:
         info: Array,
         terms: int,
     ) -> Step:
-        """A step in which some environments left the declared bounds: no reward, a finite observation."""
+        """A step in which some environments left the declared bounds: no reward, a bounded observation."""
         self._unplayable |= terminated
         self._playable = False
         info[terminated, :terms] = 0.0
         low, high = self._space.low, self._space.high
-        bounded = np.clip(np.nan_to_num(observation), low, high)
+        bounded = np.clip(observation, low, high)
         observation = np.where(terminated[:, None], bounded, observation)
         reward = np.add.reduce(info[:, :terms], axis=1)
         return Step(observation, reward, terminated, truncated & ~terminated, info)

@@ -7,31 +7,21 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
-from prp_gym.physics.mjcf import TIP_RADIUS, PhysicsSettings, compile_model
-from prp_gym.physics.surface import Surface, friction_reference
+from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.physics.mjcf import PhysicsSettings, compile_model
+from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
+from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
-
-Ids = NDArray[np.intp]
 
 # From the 18 sensor values to joint state, pose and pose rate: α = q_1, β = π/2 - q_3, γ = π/2.
 _MEASUREMENT_GAIN = np.array([1.0] * 6 + [1.0] * 4 + [-1.0, 0.0] + [1.0] * 4 + [-1.0, 0.0])
 _MEASUREMENT_OFFSET = np.array([0.0] * 10 + [np.pi / 2, np.pi / 2] + [0.0] * 6)
 MEASUREMENT_SIZE = 18
 
+_BAD_STATE = slice(int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1)
 _PERSISTENT_UP_TO = 128  # simulations: beyond it one MjData each no longer fits the caches and is slower
-_EXPANDED = (
-    "body_mass",
-    "body_inertia",
-    "dof_damping",
-    "dof_frictionloss",
-    "body_pos",
-    "body_quat",
-    "pair_solref",
-    "pair_solreffriction",
-)
 
 
 class PhysicsState(NamedTuple):
@@ -89,6 +79,9 @@ class Physics:
         self._gain = np.tile(_MEASUREMENT_GAIN, (count, 1))
         self._offset = np.tile(_MEASUREMENT_OFFSET, (count, 1))
         self._force_sensors = self._sensors[:, after_stops : after_stops + 3]
+        self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # how often
+        self._all_stable = np.zeros(count, dtype=np.bool_)
+        self._all_stable.flags.writeable = False
         nothing = np.zeros((count, 3))
         nothing.flags.writeable = False
         if not self.settings.joint_stops:
@@ -96,7 +89,7 @@ class Physics:
         if not self.settings.surface:
             self._force_sensors = nothing
         self._home_tip = Kinematics(self.parameters).forward_kinematics(np.zeros(3))[:3]
-        self._tip_body = model.body("link_3").id
+        self._fields = ModelFields(self._batch)
         self._batch.reset(stage=self._stage)
 
     @property
@@ -135,6 +128,17 @@ class Physics:
     def tip_velocity(self) -> Array:
         """(N, 3) in the world frame [m/s]."""
         return self._sensors[:, 12:15]
+
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """(N,), whether MuJoCo met a value that is not finite, or huge, since the last `reset`.
+
+        MuJoCo then puts the simulation back to its home position, at rest and without torques.
+        """
+        if not np.count_nonzero(self._warnings):
+            return self._all_stable
+        flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != 0, axis=1)
+        return flags
 
     @property
     def stop_violation(self) -> Array:
@@ -180,7 +184,7 @@ class Physics:
             NonFiniteError: NaN or infinity in the state; nothing was changed.
         """
         for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
-            self._check_rows(what, values, (len(ids), 3))
+            check_rows(what, values, (len(ids), 3))
             if not np.isfinite(values).all():
                 raise NonFiniteError(what, np.asarray(values).tolist())
         self._batch.reset(ids, stage=int(mujoco.mjtStage.mjSTAGE_NONE))
@@ -201,15 +205,7 @@ class Physics:
         """
         if not self.settings.surface:
             raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
-        self._check_rows("surface", surface.normal, (len(ids), 3))
-        body = self._batch.model.body("surface").id
-        inverse_weight = self._inverse_weight(ids)
-        self._batch.expand("pair_solref")[ids, 0] = surface.solver_reference(inverse_weight)
-        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(inverse_weight)
-        gap = surface.offset - TIP_RADIUS - (surface.normal * self._home_tip).sum(axis=-1)
-        place = self._home_tip + gap[:, None] * surface.normal
-        self._batch.expand("body_pos")[ids, body] = place
-        self._batch.expand("body_quat")[ids, body] = surface.quaternions()
+        self._fields.set_surface(ids, surface, self._home_tip)
 
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
@@ -226,44 +222,11 @@ class Physics:
             ShapeError: another shape.
             InvalidValueError: a factor that is not positive, negative friction, a value that is not finite.
         """
-        for what, values, allowed in (
-            ("mass_factor", mass_factor, "above 0"),
-            ("viscous_friction", viscous_friction, "at least 0"),
-            ("coulomb_friction", coulomb_friction, "at least 0"),
-        ):
-            self._check_rows(what, values, (len(ids), 3))
-            good = np.isfinite(values) & ((values > 0.0) if allowed == "above 0" else (values >= 0.0))
-            if not good.all():
-                raise InvalidValueError(what, values[~good][0], f"{allowed} and finite")
-        before = self._inverse_weight(ids)
-        links = [self._batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
-        model, rows = self._batch.model, np.asarray(ids)[:, None]
-        self._batch.expand("body_mass")[rows, links] = mass_factor * model.body_mass[links]
-        self._batch.expand("body_inertia")[rows, links] = mass_factor[:, :, None] * model.body_inertia[links]
-        self._batch.expand("dof_damping")[ids] = viscous_friction
-        self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
-        self._batch.set_const(ids)
-        if self._batch.expanded("pair_solref") is not None:
-            ratio = (self._inverse_weight(ids) / before)[:, None]
-            self._batch.expand("pair_solref")[ids, 0] *= ratio
-            self._batch.expand("pair_solreffriction")[ids, 0] *= ratio
-
-    def _inverse_weight(self, ids: Ids) -> Array:
-        """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
-        own = self._batch.expanded("body_invweight0")
-        if own is None:
-            return np.full(len(ids), self._batch.model.body_invweight0[self._tip_body, 0])
-        return np.array(own[ids, self._tip_body, 0])
-
-    def _check_rows(self, what: str, values: Array, shape: tuple[int, ...]) -> None:
-        if np.shape(values) != shape:
-            raise ShapeError(what, np.shape(values), f"{shape}")
+        self._fields.set_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)
 
     def snapshot(self) -> PhysicsState:
         """Copy of all that determines how the simulations go on: state, solver's warm start, models."""
-        fields = {name: self._batch.expanded(name) for name in _EXPANDED}
-        kept = {name: np.array(values) for name, values in fields.items() if values is not None}
-        return PhysicsState(np.array(self._batch.state), kept)
+        return PhysicsState(np.array(self._batch.state), self._fields.copy())
 
     def restore(self, state: PhysicsState) -> None:
         """Go back to a snapshot, bit for bit.
@@ -275,14 +238,7 @@ class Physics:
             raise InvalidValueError(
                 "snapshot's state shape", state.integration.shape, f"{self._batch.state.shape}"
             )
-        masses = self._batch.expanded("body_mass") is not None
-        for name in _EXPANDED:
-            if name in state.model_fields:
-                self._batch.expand(name)[:] = state.model_fields[name]
-            elif self._batch.expanded(name) is not None:
-                self._batch.expand(name)[:] = getattr(self._batch.model, name)
-        if masses or "body_mass" in state.model_fields:
-            self._batch.set_const()
+        self._fields.restore(state.model_fields)
         self._batch.state[:] = state.integration
         self._batch.forward(stage=self._stage)
         self._batch.state[:] = state.integration

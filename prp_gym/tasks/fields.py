@@ -11,11 +11,11 @@ from prp_gym.errors import ShapeError, UnknownNameError
 from prp_gym.robot.arrays import Array
 
 POSITION_BOUND = (100.0, 2.0, 100.0)
-SPEED_BOUND = (500.0, 50.0, 500.0)
+SPEED_BOUND = (500.0, 100.0, 500.0)
 """A simulation whose joints leave these bounds [rad, m, rad] and [rad/s, m/s, rad/s] has diverged."""
 
 _REACH_BOUND = 5.0  # [m]: 2 m of slide beyond the arm's own lengths, rounded up
-_TIP_SPEED_BOUND = 2500.0  # [m/s]: the speed bounds at that reach, rounded up
+_TIP_SPEED_BOUND = 3000.0  # [m/s]: the speed bounds at that reach, rounded up
 _JOINT_ACCELERATION_BOUND = (1e5, 1e4, 1e5)
 
 

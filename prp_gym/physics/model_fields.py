@@ -1,0 +1,108 @@
+"""What differs between the simulations of a batch: surfaces, masses, friction."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.physics.mjcf import TIP_RADIUS
+from prp_gym.physics.surface import Surface, friction_reference
+from prp_gym.robot.arrays import Array
+
+Ids = NDArray[np.intp]
+
+_FIELDS = (
+    "body_mass",
+    "body_inertia",
+    "dof_damping",
+    "dof_frictionloss",
+    "body_pos",
+    "body_quat",
+    "pair_solref",
+    "pair_solreffriction",
+)
+
+
+def check_rows(what: str, values: Array, shape: tuple[int, ...]) -> None:
+    """Refuse an array of another shape.
+
+    Raises:
+        ShapeError: another shape.
+    """
+    if np.shape(values) != shape:
+        raise ShapeError(what, np.shape(values), f"{shape}")
+
+
+class ModelFields:
+    """Fields of the model with a value a simulation; the rest is shared.
+
+    Args:
+        batch: whose fields these are.
+    """
+
+    def __init__(self, batch: Batch) -> None:
+        self._batch = batch
+        self._links = [batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
+
+    def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
+        """See `Physics.set_surface`; the drawn patch lies where `center` (3) [m] projects onto the plane."""
+        check_rows("surface", surface.normal, (len(ids), 3))
+        inverse_weight = self._inverse_weight(ids)
+        self._batch.expand("pair_solref")[ids, 0] = surface.solver_reference(inverse_weight)
+        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(inverse_weight)
+        gap = surface.offset - TIP_RADIUS - (surface.normal * center).sum(axis=-1)
+        body = self._batch.model.body("surface").id
+        self._batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
+        self._batch.expand("body_quat")[ids, body] = surface.quaternions()
+
+    def set_dynamics(
+        self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
+    ) -> None:
+        """See `Physics.set_dynamics`."""
+        _check_numbers("mass_factor", mass_factor, len(ids), "above 0")
+        _check_numbers("viscous_friction", viscous_friction, len(ids), "at least 0")
+        _check_numbers("coulomb_friction", coulomb_friction, len(ids), "at least 0")
+        before = self._inverse_weight(ids)
+        model, rows = self._batch.model, np.asarray(ids)[:, None]
+        inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
+        self._batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
+        self._batch.expand("body_inertia")[rows, self._links] = inertia
+        self._batch.expand("dof_damping")[ids] = viscous_friction
+        self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
+        self._batch.set_const(ids)
+        if self._batch.expanded("pair_solref") is not None:
+            ratio = (self._inverse_weight(ids) / before)[:, None]
+            self._batch.expand("pair_solref")[ids, 0] *= ratio
+            self._batch.expand("pair_solreffriction")[ids, 0] *= ratio
+
+    def _inverse_weight(self, ids: Ids) -> Array:
+        """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
+        tip_body = self._links[-1]
+        own = self._batch.expanded("body_invweight0")
+        if own is None:
+            return np.full(len(ids), self._batch.model.body_invweight0[tip_body, 0])
+        return np.array(own[ids, tip_body, 0])
+
+    def copy(self) -> dict[str, Array]:
+        """The values of all fields that differ, by name."""
+        fields = {name: self._batch.expanded(name) for name in _FIELDS}
+        return {name: np.array(values) for name, values in fields.items() if values is not None}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Go back to what `copy` gave, shared fields to the model's values."""
+        for name in _FIELDS:
+            if name in kept:
+                self._batch.expand(name)[:] = kept[name]
+            elif self._batch.expanded(name) is not None:
+                self._batch.expand(name)[:] = getattr(self._batch.model, name)
+        if self._batch.expanded("body_mass") is not None:
+            self._batch.set_const()
+
+
+def _check_numbers(what: str, values: Array, count: int, allowed: str) -> None:
+    check_rows(what, values, (count, 3))
+    good = np.isfinite(values) & (values > 0.0 if allowed == "above 0" else values >= 0.0)
+    if not good.all():
+        raise InvalidValueError(what, float(values[~good][0]), f"{allowed} and finite")
