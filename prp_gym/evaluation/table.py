@@ -11,7 +11,8 @@ from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
-_SMALLEST = 1e-3
+_SMALLEST = 0.005
+_TWO_DECIMALS_BELOW = 0.1
 _WHOLE_FROM = 10.0
 _HEADERS = (
     "score",
@@ -40,6 +41,8 @@ def _number(value: float) -> str:
         return "never"
     if abs(value) < _SMALLEST:
         return "0"
+    if abs(value) < _TWO_DECIMALS_BELOW:
+        return f"{value:.2f}"
     return f"{value:.0f}" if abs(value) >= _WHOLE_FROM else f"{value:.2g}"
 
 
@@ -58,7 +61,7 @@ def evaluation_table(title: str, rows: Sequence[Row]) -> Table:
 
     Returns:
         a table for a terminal of 120 columns. Vectors are the three joints [mrad, mm, mrad]; what
-        is below 0.001 is shown as 0.
+        is below 0.005 is shown as 0.
     """
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("law", no_wrap=True)

@@ -1,0 +1,50 @@
+"""The measuring tools measure what they say."""
+
+import gymnasium
+import numpy as np
+import pytest
+
+import prp_gym
+from bench import single_env, sweep_gains
+
+
+@pytest.mark.parametrize("substeps", [2, 20])
+def test_bare_loop_and_environment_take_a_chunk_of_steps(substeps: int) -> None:
+    env = gymnasium.make(single_env.ENVIRONMENT, control_frequency=1000 // substeps)
+    single_env.environment_loop(env)()
+    single_env.bare_loop(substeps, horizon=50)()
+    steps = len(single_env.random_actions(3))
+    # the loop's chunk ends in the middle of an episode, so that its time is what the chunk played
+    assert env.unwrapped.physics.data().time == pytest.approx(steps * substeps * 1e-3)  # type: ignore[attr-defined]
+
+
+def test_contenders_get_the_same_actions() -> None:
+    np.testing.assert_array_equal(single_env.random_actions(3), single_env.random_actions(3))
+    assert np.abs(single_env.random_actions(3)).max() <= single_env.ACTION_SHARE
+
+
+def test_inverse_dynamics_gains_are_those_of_the_oscillator() -> None:
+    gains = sweep_gains.gains("joint_inverse_dynamics", 10.0, 0.7)
+    roots = np.roots([1.0, gains["derivative_gain"][0], gains["proportional_gain"][0]])
+    np.testing.assert_allclose(np.abs(roots), 10.0, rtol=1e-12)  # rounding
+    np.testing.assert_allclose(-roots.real / np.abs(roots), 0.7, rtol=1e-12)
+
+
+def test_mean_inertia_lies_between_the_extremes_over_the_joint_range() -> None:
+    arm = prp_gym.PRPArm()
+    grid = np.stack(np.meshgrid([0.0], np.linspace(-0.3, 0.0, 31), np.linspace(-np.pi, np.pi, 61)), axis=-1)
+    diagonal = np.einsum("...ii->...i", arm.inertia_matrix(grid)).reshape(-1, 3)
+    mean = sweep_gains.mean_inertia()
+    assert diagonal[:, 0].min() < mean[0] < diagonal[:, 0].max()
+    np.testing.assert_allclose(mean[1:], diagonal[0, 1:], rtol=1e-12)  # constant over the range
+
+
+def test_sweep_orders_candidates_and_drops_those_that_chatter(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep_gains, "FREQUENCIES", (8.0, 20.0, 400.0))
+    monkeypatch.setattr(sweep_gains, "DAMPING_RATIOS", (1.0,))
+    monkeypatch.setattr(sweep_gains, "EPISODES", 2)
+    env = gymnasium.make("PRP-JointTracking-v0", scenario="realistic", duration=0.5)
+    results = sweep_gains.sweep("joint_inverse_dynamics", [env])
+    # at 400 rad/s the derivative gain times the control period is 1.6: with a late torque it oscillates
+    assert {frequency for _, frequency, _ in results} == {8.0, 20.0}
+    assert [score for score, *_ in results] == sorted((score for score, *_ in results), reverse=True)
