@@ -28,7 +28,7 @@ class ReferenceWindow:
         self._period = period
         self._length = int(np.clip(_MOST_ROWS // num_envs, 1, _MOST_STEPS))
         self._everyone = np.arange(num_envs)
-        self._origin = np.zeros(num_envs, dtype=np.int64)
+        self._origin = np.zeros(num_envs)  # whole numbers, as floats: so arithmetic on them is fast
         self._tick = 0
         self._first = 0
         self._rows = np.zeros((0, num_envs, 0))
@@ -48,9 +48,9 @@ class ReferenceWindow:
             self._fill(sampler)
 
     @property
-    def elapsed(self) -> NDArray[np.int64]:
-        """(N): periods since the start of each environment's episode."""
-        count: NDArray[np.int64] = self._tick - self._origin
+    def elapsed(self) -> Array:
+        """(N): whole periods since the start of each environment's episode."""
+        count: Array = self._tick - self._origin
         return count
 
     @property
