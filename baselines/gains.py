@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Mapping
+from copy import deepcopy
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -38,4 +39,4 @@ def load_gains(law: str, name: str, environment_id: str) -> dict[str, Any]:
         raise UnknownNameError(f"gain set of law {law!r}", name, sets)
     shared: Mapping[str, Any] = sets[name]
     own: dict[str, Any] = shared.get(environment_id, {})
-    return {key: value for key, value in shared.items() if not isinstance(value, dict)} | own
+    return deepcopy({key: value for key, value in shared.items() if not isinstance(value, dict)} | own)

@@ -10,7 +10,7 @@ from prp_gym.robot.arrays import Array, apply
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointInverseDynamicsSettings(Settings):
     """Numbers of `JointInverseDynamics`.
 
@@ -27,6 +27,7 @@ class JointInverseDynamicsSettings(Settings):
     def __post_init__(self) -> None:
         self._make_vector("proportional_gain", "1/s²")
         self._make_vector("derivative_gain", "1/s")
+        self._check_model(self.model)
 
 
 class JointInverseDynamics(Baseline[JointInverseDynamicsSettings]):

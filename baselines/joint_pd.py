@@ -15,7 +15,7 @@ from prp_gym.robot.parameters import NOMINAL, RobotParameters
 GRAVITY_MODES = ("current", "desired", "none")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointPDSettings(Settings):
     """Numbers of `JointPD`.
 
@@ -34,6 +34,7 @@ class JointPDSettings(Settings):
     def __post_init__(self) -> None:
         self._make_vector("proportional_gain", "N·m/rad, N/m, N·m/rad")
         self._make_vector("derivative_gain", "N·m·s/rad, N·s/m, N·m·s/rad")
+        self._check_model(self.model)
         if self.gravity not in GRAVITY_MODES:
             raise UnknownNameError("gravity mode", self.gravity, GRAVITY_MODES)
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import RobotParameters
 from prp_gym.tasks.fields import ObservationLayout
 
 PolicyState = tuple[NDArray[Any], ...] | None
@@ -50,9 +51,12 @@ class ControlInterface:
             raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Settings:
-    """A law's numbers; subclasses declare them. Vectors (3) may be given as one number for all joints."""
+    """A law's numbers; subclasses declare them. Vectors (3) may be given as one number for all joints.
+
+    Two settings are equal only if they are the same object.
+    """
 
     @classmethod
     def from_mapping(cls, law: str, values: Mapping[str, Any]) -> Self:
@@ -73,12 +77,18 @@ class Settings:
         given = getattr(self, name)
         try:
             vector = np.broadcast_to(np.asarray(given, dtype=np.float64), 3).copy()
-        except ValueError:
+        except (TypeError, ValueError):
             raise InvalidValueError(name, given, "one number or three", unit) from None
         if not (np.isfinite(vector).all() and (vector >= 0.0).all()):
             raise InvalidValueError(name, given, "finite and at least 0", unit)
         vector.flags.writeable = False
         object.__setattr__(self, name, vector)
+
+    @staticmethod
+    def _check_model(model: object) -> None:
+        """Refuse a model of the arm that is none."""
+        if not isinstance(model, RobotParameters):
+            raise InvalidValueError("model", model, "a RobotParameters")
 
 
 SettingsT = TypeVar("SettingsT", bound=Settings)
@@ -126,9 +136,9 @@ class Baseline(ABC, Generic[SettingsT]):
 
     def predict(
         self,
-        observation: ArrayLike,
+        observation: NDArray[Any] | dict[str, NDArray[Any]],
         state: PolicyState = None,
-        episode_start: NDArray[np.bool_] | None = None,
+        episode_start: NDArray[Any] | None = None,
         deterministic: bool = True,
     ) -> tuple[NDArray[np.float32], PolicyState]:
         """The action for one observation or for several, as Stable-Baselines3's policies give it.
@@ -144,7 +154,10 @@ class Baseline(ABC, Generic[SettingsT]):
 
         Raises:
             ShapeError: an observation of another size, for instance behind a wrapper that changes it.
+            InvalidValueError: an observation that is a dictionary.
         """
+        if isinstance(observation, dict):
+            raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
         torque = self.torque(self.interface.layout.split(observation))
         action = np.clip(torque / self.interface.torque_limit, -1.0, 1.0)
         return action.astype(np.float32), state

@@ -7,7 +7,7 @@ import os
 import sys
 from ctypes.util import find_library
 
-if sys.platform == "linux" and not {"DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL"} & set(os.environ):
+if sys.platform == "linux" and not any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL"))):
     if find_library("EGL"):  # without it mujoco itself could not be imported
         os.environ["MUJOCO_GL"] = "egl"  # read once, when mujoco is first imported
 
@@ -49,3 +49,7 @@ def __getattr__(name: str) -> Any:
     if name in _IMPORTED_ON_USE:
         return getattr(import_module(_IMPORTED_ON_USE[name]), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_IMPORTED_ON_USE})

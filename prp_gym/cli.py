@@ -11,17 +11,17 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from prp_gym.baselines import BASELINES, list_baselines, make_baseline
+from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
 from prp_gym.baselines.gains import gain_sets
 from prp_gym.errors import PRPError, UnknownNameError
-from prp_gym.evaluation.evaluate import episodes_to_play, evaluate
-from prp_gym.evaluation.results import describe_evaluation, describe_run, write_json
+from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play, evaluate
+from prp_gym.evaluation.results import describe_evaluation, describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.registration import ENVIRONMENTS, list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 _USAGE_ERROR = 2
-_WIDTH_WITHOUT_TERMINAL = 120
+_TABLE_WIDTH = 120
 
 app = typer.Typer(
     name="prp-gym",
@@ -33,9 +33,10 @@ app = typer.Typer(
 
 
 def _console(stderr: bool = False) -> Console:
+    """A console on which no cell is cut: a narrower terminal wraps the lines of a table."""
     console = Console(stderr=stderr)
-    if not console.is_terminal:
-        console.width = _WIDTH_WITHOUT_TERMINAL
+    if not (stderr and console.is_terminal):
+        console.width = max(console.width, _TABLE_WIDTH)
     return console
 
 
@@ -64,19 +65,22 @@ def evaluate_command(
     scenarios = (
         _check_names("scenario", scenario or [], list(SCENARIOS)) if scenario else ["report", "randomized"]
     )
-    jobs = _jobs(ids, scenarios, laws)
+    check_protocol(episodes, seed)
+    target = output / "results.json"
+    jobs = _jobs(ids, scenarios, laws, gains)
+    prepare_folder(output)
     console = _console()
     records: list[dict[str, Any]] = []
     tables: list[Table] = []
     with _progress() as progress:
-        total = sum(episodes_to_play(made, episodes) * len(names) for made, names in jobs)
+        total = sum(episodes_to_play(made, episodes) * len(policies) for made, policies in jobs)
         bar = progress.add_task("evaluating", total=total)
-        for made, names in jobs:
+        for made, policies in jobs:
             rows = []
-            for name in names:
+            for policy in policies:
+                name = policy.name
                 task = made.get_wrapper_attr("task")
                 progress.update(bar, description=f"{task.environment_id} {task.scenario.name} {name}")
-                policy = make_baseline(name, made, gains)
                 evaluation = evaluate(policy, made, episodes, seed, lambda: progress.advance(bar))
                 rows.append(Row(name, evaluation))
                 records.append(
@@ -89,22 +93,21 @@ def evaluate_command(
     console.print(
         "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
     )
-    target = output / "results.json"
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     write_json(target, {**describe_run(command), "evaluations": records})
     console.print(f"results: {target}", highlight=False)
 
 
 def _jobs(
-    ids: list[str], scenarios: list[str], laws: list[str]
-) -> list[tuple[gymnasium.Env[Any, Any], list[str]]]:
-    """Environments with the laws that can run on them."""
+    ids: list[str], scenarios: list[str], laws: list[str], gains: str
+) -> list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]:
+    """Environments with the laws that can run on them, all made before anything is played."""
     jobs = []
     for environment_id in ids:
         for scenario in scenarios:
             made = gymnasium.make(environment_id, scenario=scenario)
             eligible = list_baselines(made.get_wrapper_attr("observation_layout"))
-            jobs.append((made, [name for name in laws if name in eligible]))
+            jobs.append((made, [make_baseline(name, made, gains) for name in laws if name in eligible]))
     return jobs
 
 

@@ -114,5 +114,14 @@ class EpisodeError(PRPError, RuntimeError):
     """A call that the current state of the episode does not permit."""
 
 
+class OutputError(PRPError, RuntimeError):
+    """A file or folder that cannot be written."""
+
+    def __init__(self, path: object, reason: object) -> None:
+        self.path = str(path)
+        self.reason = str(reason)
+        super().__init__(f"cannot write to {self.path!r}: {self.reason}")
+
+
 class RenderingError(PRPError, RuntimeError):
     """A picture that cannot be drawn on this machine or in this mode."""

@@ -13,6 +13,7 @@ from prp_gym.errors import (
     JointLimitError,
     MissingFieldError,
     NonFiniteError,
+    OutputError,
     PRPError,
     RenderingError,
     ShapeError,
@@ -31,6 +32,7 @@ WITH_FACTS = [
     JointLimitError("initial joint position", 2, 0.1, (-0.3, 0.0), "m"),
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
+    OutputError("results", "read-only file system"),
 ]
 WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")]
 EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
@@ -56,7 +58,9 @@ def test_examples_cover_every_class_of_the_module() -> None:
 @pytest.mark.parametrize("error", EXAMPLES, ids=class_name)
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
-    assert isinstance(error, RuntimeError if isinstance(error, EpisodeError | RenderingError) else ValueError)
+    assert isinstance(
+        error, RuntimeError if isinstance(error, EpisodeError | OutputError | RenderingError) else ValueError
+    )
 
 
 @pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)

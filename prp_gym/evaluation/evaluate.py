@@ -81,16 +81,24 @@ def evaluate(
     Raises:
         InvalidValueError: fewer than one episode, a negative seed, an environment of another suite.
     """
-    if episodes < 1:
-        raise InvalidValueError("episodes", episodes, "at least 1")
-    if seed < 0:
-        raise InvalidValueError("seed", seed, "at least 0")
+    check_protocol(episodes, seed)
     count = episodes_to_play(env, episodes)
     rollouts = []
     for index in range(count):
         rollouts.append(record_episode(policy, env, seed + index))
         on_episode()
     return Evaluation(rollouts, seed)
+
+
+def check_protocol(episodes: int, seed: int) -> None:
+    """Refuse a number of episodes or a seed with which nothing can be played.
+
+    Raises:
+        InvalidValueError: fewer than one episode, a negative seed, a number that is not whole.
+    """
+    for what, value, least in (("episodes", episodes, 1), ("seed", seed, 0)):
+        if not isinstance(value, (int, np.integer)) or value < least:
+            raise InvalidValueError(what, value, f"a whole number, at least {least}")
 
 
 def episodes_to_play(env: gymnasium.Env[Any, Any], episodes: int) -> int:

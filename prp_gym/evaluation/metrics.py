@@ -131,7 +131,12 @@ def root_mean_square(values: Array) -> Array:
 
 
 def torque_rate(torque: Array, period: float) -> Array:
-    """Root mean square of the torque's change per second: (..., T, 3) -> (..., 3) [N m/s, N/s, N m/s]."""
+    """Root mean square of the torque's change per second: (..., T, 3) -> (..., 3) [N m/s, N/s, N m/s].
+
+    NaN where there is one step only.
+    """
+    if torque.shape[-2] < 2:
+        return np.full((*torque.shape[:-2], torque.shape[-1]), np.nan)
     return root_mean_square(np.diff(torque, axis=-2) / period)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.errors import OutputError
 from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.evaluation.metrics import METRICS
 
@@ -66,14 +67,31 @@ def describe_evaluation(evaluation: Evaluation, baseline: str, settings: Any) ->
     }
 
 
+def prepare_folder(folder: Path) -> None:
+    """Make a folder for results, before the work whose results it is to hold.
+
+    Raises:
+        OutputError: it cannot be made or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OutputError(folder, error) from error
+
+
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file so that it is either whole or not there.
 
     Args:
         path: of the file; its folder is made if it does not exist.
         content: anything `to_plain` takes.
+
+    Raises:
+        OutputError: the folder cannot be made or written to.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
+    prepare_folder(path.parent)
     text = json.dumps(to_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
     try:

@@ -148,7 +148,7 @@ class OffscreenRenderer:
 
 def has_display() -> bool:
     """Whether a window can be opened here."""
-    return sys.platform != "linux" or any(name in os.environ for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+    return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 class WindowRenderer:

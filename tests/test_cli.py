@@ -1,0 +1,288 @@
+"""The command `prp-gym`: its tables, its results file, and its way of refusing."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from prp_gym import list_envs
+from prp_gym.baselines import BASELINES, list_baselines, make_baseline
+from prp_gym.baselines.gains import gain_sets
+from prp_gym.cli import app, main
+from prp_gym.evaluation import METRICS, evaluate
+from prp_gym.registration import ENVIRONMENTS
+from prp_gym.tasks.scenario import SCENARIOS
+
+RUNNER = CliRunner()
+WIDTH = 120
+COMMON_SETS = sorted(set.intersection(*(set(gain_sets(law)) for law in BASELINES)))
+
+
+@pytest.fixture(autouse=True)
+def no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Variables that make rich take a pipe for a terminal, as some build servers set them."""
+    for name in ("FORCE_COLOR", "TTY_COMPATIBLE", "COLUMNS"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def plain(text: str) -> str:
+    """A text without a terminal's colours."""
+    return re.sub(r"\x1b\[[0-9;]*m", "", text)
+
+
+def results_of(folder: Path) -> dict[str, Any]:
+    content: dict[str, Any] = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    return content
+
+
+def pairs_of(content: dict[str, Any]) -> list[tuple[str, str, str]]:
+    return [(row["environment"], row["scenario"], row["baseline"]) for row in content["evaluations"]]
+
+
+def run_evaluate(folder: Path, *options: str) -> str:
+    """Standard output of a short evaluation."""
+    result = RUNNER.invoke(app, ["evaluate", "--output", str(folder), *options])
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def refusal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, *options: str) -> str:
+    """What the command says on standard error as it ends with exit code 2, on one line."""
+    monkeypatch.setattr(sys, "argv", ["prp-gym", *options])
+    with pytest.raises(SystemExit) as caught:
+        main()
+    assert caught.value.code == 2
+    output, error = capsys.readouterr()
+    assert "Traceback" not in output + error
+    return " ".join(error.split())
+
+
+def test_evaluate_covers_every_pair_unless_told_otherwise(tmp_path: Path) -> None:
+    output = run_evaluate(tmp_path, "--episodes", "1")
+    expected = []
+    for environment_id in list_envs():
+        made = gymnasium.make(environment_id)
+        laws = list_baselines(made.get_wrapper_attr("observation_layout"))
+        made.close()
+        expected += [(environment_id, scenario, law) for scenario in ("report", "randomized") for law in laws]
+    assert pairs_of(results_of(tmp_path)) == expected
+    for environment_id, scenario, law in expected:
+        assert f"{environment_id}, scenario {scenario}" in output
+        assert law in output
+
+
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_evaluate_writes_what_the_evaluator_finds(tmp_path: Path, scenario: str) -> None:
+    environment_id, law = list_envs()[0], next(iter(BASELINES))
+    options = ("--env", environment_id, "--baseline", law, "--scenario", scenario)
+    run_evaluate(tmp_path, *options, "--episodes", "2", "--seed", "9", "--gains", "report")
+    (row,) = results_of(tmp_path)["evaluations"]
+    made = gymnasium.make(environment_id, scenario=scenario)
+    policy = make_baseline(law, made, "report")
+    expected = evaluate(policy, made, episodes=2, seed=9)
+    made.close()
+    assert row["seeds"] == [rollout.seed for rollout in expected.rollouts]
+    assert row["score"] == expected.score._asdict()
+    assert row["episodes"]["energy"] == expected.metrics["energy"].tolist()
+    assert row["settings"]["gains"] == "report"
+    np.testing.assert_array_equal(row["settings"]["proportional_gain"], policy.settings.proportional_gain)
+
+
+def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    options = ["evaluate", "--env", list_envs()[0], "--scenario", "report", "--episodes", "1"]
+    options += ["--output", str(tmp_path / "a b")]
+    monkeypatch.setattr(sys, "argv", ["/somewhere/prp-gym", *options])
+    with pytest.raises(SystemExit) as caught:
+        main()
+    assert caught.value.code == 0
+    content = results_of(tmp_path / "a b")
+    assert content["command"] == f"prp-gym {' '.join(options[:-1])} '{tmp_path}/a b'"
+    assert {"python", "prp-gym", "gymnasium", "mujoco", "numpy"} == set(content["versions"])
+    assert set(content["units"]) == {metric.name for metric in METRICS}
+
+
+def test_evaluate_prints_whole_tables_best_law_first(tmp_path: Path) -> None:
+    output = run_evaluate(tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1")
+    assert "…" not in output
+    assert max(map(len, output.splitlines())) <= WIDTH
+    scores = {row["baseline"]: row["score"]["value"] for row in results_of(tmp_path)["evaluations"]}
+    printed = [
+        line.split()[:2] for line in output.splitlines() if line.split()[:1] and line.split()[0] in scores
+    ]
+    assert printed == [[law, f"{scores[law]:.3f}"] for law in sorted(scores, key=lambda law: -scores[law])]
+    assert f"results: {tmp_path / 'results.json'}" in output.replace("\n", "")
+
+
+def test_evaluate_takes_an_option_several_times(tmp_path: Path) -> None:
+    options = [item for law in reversed(BASELINES) for item in ("--baseline", law)]
+    options += [item for environment_id in list_envs() for item in ("--env", environment_id)]
+    run_evaluate(tmp_path, *options, "--scenario", "report", "--episodes", "1")
+    pairs = pairs_of(results_of(tmp_path))
+    assert {law for _, _, law in pairs} == set(BASELINES)
+    assert {environment_id for environment_id, _, _ in pairs} == set(list_envs())
+    assert {scenario for _, scenario, _ in pairs} == {"report"}
+
+
+@pytest.mark.parametrize("gains", COMMON_SETS)
+def test_evaluate_takes_every_set_that_all_laws_have(tmp_path: Path, gains: str) -> None:
+    run_evaluate(
+        tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1", "--gains", gains
+    )
+    assert {row["settings"]["gains"] for row in results_of(tmp_path)["evaluations"]} == {gains}
+
+
+def test_evaluate_twice_gives_the_same_numbers(tmp_path: Path) -> None:
+    contents = []
+    for folder in (tmp_path / "first", tmp_path / "second"):
+        run_evaluate(folder, "--env", list_envs()[0], "--scenario", "randomized", "--episodes", "2")
+        rows = results_of(folder)["evaluations"]
+        contents.append([{k: v for k, v in row.items() if k != "compute_time_per_step"} for row in rows])
+    assert contents[0] == contents[1]
+
+
+WRONG_NAMES = [
+    ("--env", "PRP-JointTracking-v1", "unknown environment", list_envs()),
+    ("--baseline", "joint_pdd", "unknown baseline", list(BASELINES)),
+    ("--scenario", "reprot", "unknown scenario", list(SCENARIOS)),
+    ("--gains", "tunde", "unknown gain set", COMMON_SETS),
+]
+
+
+@pytest.mark.parametrize(("option", "name", "message", "valid"), WRONG_NAMES)
+def test_wrong_name_is_refused_with_the_valid_ones(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    option: str,
+    name: str,
+    message: str,
+    valid: list[str],
+) -> None:
+    error = refusal(capsys, monkeypatch, "evaluate", option, name, "--output", str(tmp_path / "results"))
+    assert error.startswith(f"error: {message}")
+    assert f"'{name}'. Did you mean '" in error
+    listed = set(re.split(r"[ ,.]+", error.split("Valid:")[1]))
+    assert set(valid) <= listed
+    assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--episodes", "-1", "error: episodes is -1; allowed: a whole number, at least 1."),
+        ("--episodes", "0", "error: episodes is 0; allowed: a whole number, at least 1."),
+        ("--seed", "-3", "error: seed is -3; allowed: a whole number, at least 0."),
+    ],
+)
+def test_number_that_is_not_allowed_is_refused(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    option: str,
+    value: str,
+    message: str,
+) -> None:
+    error = refusal(capsys, monkeypatch, "evaluate", option, value, "--output", str(tmp_path / "results"))
+    assert error.endswith(message)
+    assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "fault"),
+    [
+        (["evaluate", "--episodes", "two"], "integer"),
+        (["evaluate", "--nothing"], "--nothing"),
+        (["eval"], "eval"),
+        (["list", "--all"], "--all"),
+    ],
+)
+def test_command_line_that_cannot_be_read_is_refused(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, options: list[str], fault: str
+) -> None:
+    error = plain(refusal(capsys, monkeypatch, *options))
+    assert "Usage: " in error
+    assert "--help" in error
+    assert fault in error.split("Error")[1]
+
+
+def test_list_shows_every_environment_law_scenario_and_gain_set() -> None:
+    result = RUNNER.invoke(app, ["list"])
+    assert result.exit_code == 0
+    assert "…" not in result.stdout
+    assert max(map(len, result.stdout.splitlines())) <= WIDTH
+    words = re.split(r"[\s,│┃]+", result.stdout)
+    shown = [*list_envs(), *BASELINES, *SCENARIOS, *(name for law in BASELINES for name in gain_sets(law))]
+    assert set(shown) <= set(words)
+    text = " ".join(words)
+    for summary in (*(entry.summary for entry in ENVIRONMENTS), *(law.summary for law in BASELINES.values())):
+        assert summary in text
+
+
+def test_list_tells_which_law_runs_where() -> None:
+    lines = RUNNER.invoke(app, ["list"]).stdout.split("which law runs where")[1].splitlines()
+    for law in BASELINES:
+        (row,) = [re.split(r"[\s│]+", line.strip("│ ")) for line in lines if law in line]
+        marks = []
+        for environment_id in list_envs():
+            made = gymnasium.make(environment_id)
+            eligible = law in list_baselines(made.get_wrapper_attr("observation_layout"))
+            marks.append("yes" if eligible else "-")
+            made.close()
+        assert row == [law, *marks]
+
+
+def test_help_names_every_command_and_option() -> None:
+    assert all(name in RUNNER.invoke(app, ["--help"]).output for name in ("evaluate", "list"))
+    text = plain(RUNNER.invoke(app, ["evaluate", "--help"]).output)
+    options = ("--env", "--baseline", "--scenario", "--episodes", "--seed", "--gains", "--output")
+    assert [option for option in options if option not in text] == []
+
+
+COMMAND = [str(Path(sys.executable).with_name("prp-gym"))]
+MODULE = [sys.executable, "-m", "prp_gym.cli"]
+
+
+@pytest.mark.parametrize("program", [COMMAND, MODULE], ids=["command", "module"])
+def test_program_evaluates_and_keeps_progress_off_standard_output(tmp_path: Path, program: list[str]) -> None:
+    options = ["evaluate", "--env", list_envs()[0], "--scenario", "report", "--episodes", "1"]
+    done = subprocess.run(
+        [*program, *options], cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=True
+    )
+    assert [law for law in BASELINES if law not in done.stdout] == []
+    assert done.stdout.startswith(f"{list_envs()[0]}, scenario report")
+    assert results_of(tmp_path / "results")["command"] == f"prp-gym {' '.join(options)}"
+
+
+def test_program_refuses_with_exit_code_two_and_no_traceback(tmp_path: Path) -> None:
+    options = ["evaluate", "--env", "PRP-Nothing-v0"]
+    done = subprocess.run(
+        [*COMMAND, *options], cwd=tmp_path, capture_output=True, text=True, encoding="utf-8"
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "Traceback" not in done.stderr
+    assert all(environment_id in done.stderr for environment_id in list_envs())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_that_cannot_be_written_is_refused_before_anything_is_played(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("mine")
+    options = ("--env", list_envs()[0], "--scenario", "report", "--output", str(blocked))
+    done = subprocess.run(
+        [*MODULE, "evaluate", *options],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.replace("\n", " ").startswith(f"error: cannot write to '{blocked}'")
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+    assert blocked.read_text() == "mine"

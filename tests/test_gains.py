@@ -1,0 +1,106 @@
+"""The laws' gains as data: every set has its source, every number belongs to a law and an environment."""
+
+import tomllib
+from dataclasses import fields
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import pytest
+
+from prp_gym import list_envs
+from prp_gym.baselines import BASELINES
+from prp_gym.baselines import gains as gains_module
+from prp_gym.baselines.gains import gain_sets, load_gains
+from prp_gym.errors import UnknownNameError
+
+TABLE: dict[str, dict[str, dict[str, Any]]] = tomllib.loads(
+    files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8")
+)
+SETS = [(law, name) for law, sets in TABLE.items() for name in sets]
+PRINTED = {
+    ("joint_pd", "report"): ([50.0] * 3, [10.0] * 3),
+    ("joint_pd", "figures"): ([50.0, 500.0, 50.0], [15.0, 150.0, 15.0]),
+    ("joint_inverse_dynamics", "report"): ([50.0] * 3, [10.0] * 3),
+    ("joint_inverse_dynamics", "figures"): ([50.0] * 3, [15.0] * 3),
+    ("joint_inverse_dynamics", "fast"): ([500.0] * 3, [35.0] * 3),
+}
+
+
+def own_values(law: str, name: str) -> dict[str, dict[str, Any]]:
+    """The sub-tables of a set, by environment id."""
+    return {key: value for key, value in TABLE[law][name].items() if isinstance(value, dict)}
+
+
+def test_file_covers_exactly_the_laws_that_exist() -> None:
+    assert set(TABLE) == set(BASELINES)
+
+
+@pytest.mark.parametrize("law", BASELINES)
+def test_law_has_the_report_s_gains_and_tuned_ones(law: str) -> None:
+    assert {"report", "tuned"} <= set(gain_sets(law))
+    assert gain_sets(law) == tuple(TABLE[law])
+
+
+@pytest.mark.parametrize(("law", "name"), SETS)
+def test_set_names_its_source(law: str, name: str) -> None:
+    for table in (TABLE[law][name], *own_values(law, name).values()):
+        source = table.get("source", TABLE[law][name]["source"])
+        assert isinstance(source, str)
+        assert source.strip()
+
+
+@pytest.mark.parametrize(("law", "name"), SETS)
+def test_set_gives_only_settings_of_its_law(law: str, name: str) -> None:
+    known = {field.name for field in fields(BASELINES[law].settings_class)} | {"source"}
+    own = own_values(law, name)
+    assert set(TABLE[law][name]) - set(own) <= known
+    for values in own.values():
+        assert set(values) <= known
+
+
+@pytest.mark.parametrize(("law", "name"), SETS)
+def test_sub_tables_belong_to_registered_environments(law: str, name: str) -> None:
+    assert set(own_values(law, name)) <= set(list_envs())
+
+
+@pytest.mark.parametrize("environment_id", list_envs())
+@pytest.mark.parametrize(("law", "name"), SETS)
+def test_set_makes_settings_with_its_numbers(law: str, name: str, environment_id: str) -> None:
+    values = load_gains(law, name, environment_id)
+    del values["source"]
+    settings = BASELINES[law].settings_class.from_mapping(law, values)
+    assert values
+    for key, value in values.items():
+        assert np.array_equal(getattr(settings, key), value)
+
+
+@pytest.mark.parametrize(("law", "name"), PRINTED)
+def test_gains_of_the_report_are_its_own(law: str, name: str) -> None:
+    proportional, derivative = PRINTED[law, name]
+    for environment_id in list_envs():
+        gains = load_gains(law, name, environment_id)
+        assert (gains["proportional_gain"], gains["derivative_gain"]) == (proportional, derivative)
+
+
+def test_an_environment_s_own_values_replace_the_set_s(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = {"stiffness": 3.0, "source": "its own"}
+    table = {"law": {"tuned": {"stiffness": 1.0, "damping": 2.0, "source": "common", "PRP-A-v0": own}}}
+    monkeypatch.setattr(gains_module, "_table", lambda: table)
+    assert load_gains("law", "tuned", "PRP-A-v0") == {"stiffness": 3.0, "damping": 2.0, "source": "its own"}
+    assert load_gains("law", "tuned", "PRP-B-v0") == {"stiffness": 1.0, "damping": 2.0, "source": "common"}
+
+
+@pytest.mark.parametrize("law", BASELINES)
+def test_unknown_set_gets_the_nearest_name_and_all_valid_ones(law: str) -> None:
+    with pytest.raises(UnknownNameError, match=r"'tunde'\. Did you mean 'tuned'\?") as caught:
+        load_gains(law, "tunde", list_envs()[0])
+    assert caught.value.kind == f"gain set of law {law!r}"
+    assert caught.value.valid == tuple(sorted(TABLE[law]))
+
+
+def test_unknown_law_has_no_sets() -> None:
+    assert gain_sets("no_law") == ()
+    with pytest.raises(UnknownNameError, match=r"Valid: none\.") as caught:
+        load_gains("no_law", "report", list_envs()[0])
+    assert caught.value.valid == ()
