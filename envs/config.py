@@ -14,6 +14,7 @@ from prp_gym.robot.parameters import NOMINAL, TORQUE_UNITS, Vector3
 from prp_gym.tasks.scenario import Scenario
 
 SUBSTEPS_PER_SECOND = 1000
+_LEAST_RATE = 1e-3  # Hz
 ACTION_MODES = ("torque",)
 RENDER_MODES = ("human", "rgb_array", "depth_array")
 UNLIMITED_TORQUE = 1e6
@@ -21,6 +22,8 @@ UNLIMITED_TORQUE = 1e6
 
 OptionsT = TypeVar("OptionsT")
 
+
+_TORQUE_LIMITS = "'scenario', None, a number or three numbers"
 
 TorqueLimit = float | tuple[float, float, float] | str | None
 
@@ -70,13 +73,23 @@ class EnvConfig:
             raise UnknownNameError("action_mode", self.action_mode, ACTION_MODES)
         if self.render_mode is not None and self.render_mode not in RENDER_MODES:
             raise UnknownNameError("render_mode", self.render_mode, RENDER_MODES)
+        self._check_numbers()
         check_view(self.width, self.height, self.camera)
         self._check_times()
         self.limits()
+        self._make_plain()
+
+    def _check_numbers(self) -> None:
+        for name in ("control_frequency", "duration"):
+            if not isinstance(getattr(self, name), (int, float, np.number)):
+                raise InvalidValueError(name, getattr(self, name), "a number")
+        for name in ("width", "height"):
+            if not isinstance(getattr(self, name), (int, np.integer)):
+                raise InvalidValueError(name, getattr(self, name), "a whole number", "pixels")
 
     def _check_times(self) -> None:
         rate = self.control_frequency
-        divides = math.isfinite(rate) and rate > 0 and _is_whole(SUBSTEPS_PER_SECOND / rate)
+        divides = _LEAST_RATE <= rate <= SUBSTEPS_PER_SECOND and _is_whole(SUBSTEPS_PER_SECOND / rate)
         if not divides:
             raise InvalidValueError("control_frequency", rate, f"a divisor of {SUBSTEPS_PER_SECOND}", "Hz")
         steps = self.duration * rate
@@ -98,17 +111,28 @@ class EnvConfig:
         """The scenario by its name."""
         return load_scenario(self.scenario)
 
+    def _make_plain(self) -> None:
+        """Python numbers throughout, so that equal keywords make equal values."""
+        if self.torque_limit is not None and not isinstance(self.torque_limit, str):
+            object.__setattr__(self, "torque_limit", self.limits())
+        for name in ("control_frequency", "duration"):
+            object.__setattr__(self, name, float(getattr(self, name)))
+
     def limits(self) -> Vector3:
         """Actuator limits (3) [N m, N, N m]."""
         limit = self.torque_limit
         if isinstance(limit, str):
             if limit != "scenario":
-                raise InvalidValueError("torque_limit", limit, "'scenario', None, a number or three numbers")
+                raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS)
             factor = self.load_scenario().torque_limit_factor
             return _vector([factor * nominal for nominal in NOMINAL.torque_limit])
-        values = np.broadcast_to(np.asarray(UNLIMITED_TORQUE if limit is None else limit, dtype=float), 3)
-        if not (np.isfinite(values).all() and (values > 0.0).all()):
-            raise InvalidValueError("torque_limit", limit, "above 0 and finite", ", ".join(TORQUE_UNITS))
+        try:
+            values = np.broadcast_to(np.asarray(UNLIMITED_TORQUE if limit is None else limit, dtype=float), 3)
+        except (TypeError, ValueError):
+            raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS) from None
+        if not ((values > 0.0) & (values <= UNLIMITED_TORQUE)).all():
+            allowed = f"above 0 and at most {UNLIMITED_TORQUE:g}, or None"
+            raise InvalidValueError("torque_limit", limit, allowed, ", ".join(TORQUE_UNITS))
         return _vector(values.tolist())
 
 

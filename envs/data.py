@@ -23,7 +23,7 @@ def load_scenario(name: str) -> Scenario:
         UnknownNameError: no such scenario.
     """
     table = _table("scenarios.toml")
-    if name not in table:
+    if not isinstance(name, str) or name not in table:
         raise UnknownNameError("scenario", name, table)
     return Scenario.from_table(name, table[name])
 

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -36,6 +36,7 @@ from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.task import Task
 
 _ONLY = np.array([0])
+_VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
 _METRES_PER_NEWTON = 0.02  # length of the drawn force arrow
 
 
@@ -48,6 +49,8 @@ class EnvState(NamedTuple):
     """A saved environment; see `PRPEnv.get_state`."""
 
     loop: LoopState
+    config: EnvConfig
+    options: object
     generator: Mapping[str, Any]
 
 
@@ -69,14 +72,14 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
     options_class: ClassVar[type] = NoOptions
 
     def __init__(self, **keywords: object) -> None:
-        options: object
-        self.config, options = parse_keywords(keywords, self.options_class)
+        self.options: object
+        self.config, self.options = parse_keywords(keywords, self.options_class)
         modes = [mode for mode in RENDER_MODES if mode != "human" or has_display()]
         self.metadata = {"render_modes": modes, "render_fps": round(self.config.control_frequency)}
         if self.config.render_mode == "human" and not has_display():
             raise RenderingError(NO_DISPLAY)
         self.render_mode = self.config.render_mode
-        self._loop = EpisodeLoop(self._make_task(self.config, options), self.config)
+        self._loop = EpisodeLoop(self._make_task(self.config, self.options), self.config)
         self._info_names = tuple(field.name for field in self._loop.info_fields)
         self._renderer: OffscreenRenderer | WindowRenderer | None = None
         self.observation_space = self._loop.task.layout.space()
@@ -158,7 +161,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
         for name, value in options.items():
             if name not in self.task.reset_options:
                 raise UnknownNameError("reset option", name, self.task.reset_options)
-            vector = np.asarray(value, dtype=np.float64)
+            vector = _as_numbers(f"reset option {name!r}", value)
             if vector.shape != (3,):
                 raise ShapeError(f"reset option {name!r}", vector.shape, "(3,)")
             if not np.isfinite(vector).all():
@@ -181,7 +184,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             NonFiniteError: NaN or infinity in the action.
             EpisodeError: before the first `reset`, or after a divergence.
         """
-        values = np.asarray(action, dtype=np.float64)
+        values = _as_numbers("action", action)
         if values.shape != (3,):
             raise ShapeError("action", values.shape, "(3,)")
         step = self._loop.step(values[None])
@@ -204,7 +207,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             `depth_array`, None in mode `human`, which shows a window.
 
         Raises:
-            EpisodeError: the environment was made without a `render_mode`.
+            EpisodeError: the environment was made without a `render_mode`, or was never reset.
             RenderingError: nothing can be drawn on this machine.
         """
         config, physics = self.config, self.physics
@@ -212,6 +215,8 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             raise EpisodeError(
                 f"render() needs a render_mode at make time, one of {', '.join(RENDER_MODES)}."
             )
+        if not self._loop.started:
+            raise EpisodeError("render() shows an episode: call reset() first.")
         data = physics.data()
         if config.render_mode == "human":
             if not isinstance(self._renderer, WindowRenderer):
@@ -238,7 +243,8 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
 
     def get_state(self) -> EnvState:
         """Copy of all that determines how the environment goes on, its generator included."""
-        return EnvState(self._loop.get_state(), dict(self.np_random.bit_generator.state))
+        generator = dict(self.np_random.bit_generator.state)
+        return EnvState(self._loop.get_state(), self.config, self.options, generator)
 
     def set_state(self, state: EnvState) -> Array:
         """Go back to a saved state, bit for bit.
@@ -250,17 +256,26 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             the observation (size).
 
         Raises:
-            InvalidValueError: a state of another kind of environment.
+            InvalidValueError: a state of an environment of another kind, or made with other keywords.
         """
         if type(state.loop.rest["task"]) is not type(self.task):
             found = type(state.loop.rest["task"]).__name__
             raise InvalidValueError("saved state's task", found, type(self.task).__name__)
+        if (replace(state.config, **_VIEW), state.options) != (replace(self.config, **_VIEW), self.options):
+            raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
         self.np_random.bit_generator.state = dict(state.generator)
         observation: Array = self._loop.set_state(state.loop)[0]
         return observation
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_renderer": None}
+
+
+def _as_numbers(what: str, values: object) -> Array:
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidValueError(what, values, "an array of numbers") from None
 
 
 def nominal_arm() -> PRPArm:

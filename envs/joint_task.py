@@ -18,6 +18,7 @@ from prp_gym.tasks.task import EpisodeStart, Task, TaskNumbers
 from prp_gym.tasks.trajectory import Trajectory
 
 _PATH_POINTS = 120
+_ROUNDING = 1e-12  # [rad] or [m]: a sum that ends on a limit
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
         JointLimitError: names the first joint that is outside.
     """
     low, high = np.array(arm.parameters.joint_lower), np.array(arm.parameters.joint_upper)
-    outside = (joint_position < low) | (joint_position > high)
+    outside = (joint_position < low - _ROUNDING) | (joint_position > high + _ROUNDING)
     if outside.any():
         *_, joint = np.argwhere(outside)[0]
         value = float(joint_position[tuple(np.argwhere(outside)[0])])

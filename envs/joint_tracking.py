@@ -102,8 +102,10 @@ class JointTracking(JointTask):
         phase = self.ranges["phase"].draw(rng)
         if goal is not None:
             center = goal
-            check_joint_limits(self.arm, "goal plus amplitude", center + amplitude)
-            check_joint_limits(self.arm, "goal minus amplitude", center - amplitude)
+            check_joint_limits(self.arm, "goal", center)
+            if self.scenario.joint_stops:
+                check_joint_limits(self.arm, "goal plus amplitude", center + amplitude)
+                check_joint_limits(self.arm, "goal minus amplitude", center - amplitude)
         sine = Sine(center[None], amplitude[None], 2 * np.pi * frequency[None], phase[None])
         if self.scenario.deterministic:
             return sine, joint_position

@@ -115,10 +115,10 @@ class EpisodeLoop:
     ) -> Array:
         """Start new episodes in some environments; the first call must cover all of them.
 
-        Nothing is changed if a start is refused.
+        If a start is refused, the episodes that run go on as they were; the generators have moved on.
 
         Args:
-            ids: (n) the environments.
+            ids: (n) the environments, in rising order.
             rngs: (n) their own generators.
             options: validated reset options, the same for all.
 
@@ -126,8 +126,10 @@ class EpisodeLoop:
             (N, size) observations of all environments.
 
         Raises:
+            InvalidValueError: ids out of order or out of range; a first call for some only.
             PRPError: a start or goal that the task refuses.
         """
+        self._check_ids(ids)
         starts, plants, seeds = [], [], []
         for rng in rngs:
             starts.append(self.task.draw(rng, options))
@@ -145,6 +147,13 @@ class EpisodeLoop:
         self._unplayable[ids] = False
         self._playable = not self._unplayable.any()
         return self._observe()
+
+    def _check_ids(self, ids: NDArray[np.intp]) -> None:
+        rising = len(ids) > 0 and ids[0] >= 0 and ids[-1] < self.num_envs and (np.diff(ids) > 0).all()
+        if not rising:
+            raise InvalidValueError("ids", ids.tolist(), f"rising, from 0 to {self.num_envs - 1}")
+        if not self.started and len(ids) < self.num_envs:
+            raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
 
     def _set_plants(self, ids: NDArray[np.intp], plants: Sequence[PlantDraw]) -> None:
         if self.task.scenario.ideal_plant:
@@ -232,6 +241,11 @@ class EpisodeLoop:
     def _why_not_playable(self) -> str:
         which = np.flatnonzero(self._unplayable).tolist()
         return f"environments {which} cannot be stepped: never reset, or diverged; call reset first."
+
+    @property
+    def started(self) -> bool:
+        """Whether every environment has been reset at least once."""
+        return self._window.started
 
     @property
     def time(self) -> Array:

@@ -36,7 +36,7 @@ class ReferenceWindow:
     def begin(self, ids: NDArray[np.intp], sampler: Sampler) -> None:
         """Start new episodes in some environments (n); the first call covers all of them."""
         self._origin[ids] = self._tick
-        if self._rows.size == 0 or len(ids) == len(self._everyone):
+        if not self.started or len(ids) == len(self._everyone):
             self._fill(sampler)
         else:
             self._rows[:, ids] = sampler(self._times(ids), ids)
@@ -46,6 +46,11 @@ class ReferenceWindow:
         self._tick += 1
         if self._tick - self._first >= self._length:
             self._fill(sampler)
+
+    @property
+    def started(self) -> bool:
+        """Whether `begin` has been called."""
+        return self._rows.size > 0
 
     @property
     def elapsed(self) -> Array:

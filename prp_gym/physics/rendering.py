@@ -127,7 +127,7 @@ class OffscreenRenderer:
         Args:
             data: the state to show.
             marks: what to draw beside the model.
-            depth: distances in place of colours.
+            depth: distances in place of colours; marks are no bodies and have none.
 
         Returns:
             (height, width, 3) uint8, or (height, width) float32 distance from the camera [m].
@@ -137,7 +137,8 @@ class OffscreenRenderer:
         else:
             self._renderer.disable_depth_rendering()
         self._renderer.update_scene(data, camera=self._camera)
-        add_marks(self._renderer.scene, marks)
+        if not depth:
+            add_marks(self._renderer.scene, marks)
         picture: NDArray[Any] = self._renderer.render().copy()
         return picture
 

@@ -28,6 +28,7 @@ class PhysicsState(NamedTuple):
     """All that determines how the simulations go on; see `Physics.snapshot`."""
 
     integration: Array
+    warnings: NDArray[np.int32]
     model_fields: dict[str, Array]
 
 
@@ -226,7 +227,7 @@ class Physics:
 
     def snapshot(self) -> PhysicsState:
         """Copy of all that determines how the simulations go on: state, solver's warm start, models."""
-        return PhysicsState(np.array(self._batch.state), self._fields.copy())
+        return PhysicsState(np.array(self._batch.state), self._batch.warning.copy(), self._fields.copy())
 
     def restore(self, state: PhysicsState) -> None:
         """Go back to a snapshot, bit for bit.
@@ -242,6 +243,7 @@ class Physics:
         self._batch.state[:] = state.integration
         self._batch.forward(stage=self._stage)
         self._batch.state[:] = state.integration
+        self._batch.warning[:] = state.warnings
 
     def model(self, simulation: int = 0) -> mujoco.MjModel:
         """A copy of one simulation's model, with its own masses and surface, for rendering or study."""

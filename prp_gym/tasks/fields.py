@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
-from prp_gym.errors import ShapeError, UnknownNameError
+from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.robot.arrays import Array
 
 POSITION_BOUND = (100.0, 2.0, 100.0)
@@ -39,6 +39,13 @@ class Field:
     high: tuple[float, ...]
     description: str
 
+    def __post_init__(self) -> None:
+        if not len(self.units) == len(self.low) == len(self.high) > 0:
+            sizes = (len(self.units), len(self.low), len(self.high))
+            raise InvalidValueError(
+                f"sizes of field {self.name!r}", sizes, "as many units as bounds, at least 1"
+            )
+
     @property
     def shape(self) -> tuple[int]:
         """(size,)."""
@@ -58,10 +65,16 @@ class ObservationLayout:
 
     Args:
         fields: in order.
+
+    Raises:
+        InvalidValueError: no field, or a name given twice.
     """
 
     def __init__(self, fields: Sequence[Field]) -> None:
         self.fields = tuple(fields)
+        names = [field.name for field in self.fields]
+        if not names or len(set(names)) < len(names):
+            raise InvalidValueError("observation fields", names, "at least one, each name once")
         ends = np.cumsum([field.shape[0] for field in self.fields]).tolist()
         starts = [0, *ends[:-1]]
         self.slices = {

@@ -43,7 +43,7 @@ class Reward:
         period: dt, the control period [s].
 
     Raises:
-        InvalidValueError: weights that do not sum to 1, a scale that is not positive.
+        InvalidValueError: weights that are negative or do not sum to 1, a scale that is not positive.
     """
 
     def __init__(self, terms: Sequence[RewardTerm], period: float) -> None:
@@ -51,6 +51,8 @@ class Reward:
         if not math.isclose(total, 1.0, abs_tol=1e-9):
             raise InvalidValueError("sum of the reward weights", total, "1")
         for term in terms:
+            if not term.weight >= 0.0:
+                raise InvalidValueError(f"weight of reward term {term.name!r}", term.weight, "at least 0")
             if not all(value > 0.0 for value in term.scale):
                 raise InvalidValueError(f"scale of reward term {term.name!r}", term.scale, "above 0")
         self.terms = tuple(terms)

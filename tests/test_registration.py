@@ -1,0 +1,96 @@
+"""The environment ids, and that Gymnasium finds them."""
+
+import subprocess
+import sys
+from importlib import import_module
+
+import gymnasium
+import pytest
+
+import prp_gym
+from prp_gym.envs import PRPEnv
+from prp_gym.registration import ENVIRONMENTS, EnvironmentEntry, register_environments
+
+TIMEOUT = 120.0  # of a new interpreter that imports MuJoCo [s]
+
+
+@pytest.fixture(params=ENVIRONMENTS, ids=lambda entry: entry.id)
+def entry(request: pytest.FixtureRequest) -> EnvironmentEntry:
+    assert isinstance(request.param, EnvironmentEntry)
+    return request.param
+
+
+def run(code: str) -> str:
+    """What a new interpreter prints; warnings are errors there too."""
+    command = [sys.executable, "-W", "error", "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_listed_ids_are_exactly_those_known_to_gymnasium() -> None:
+    known = [name for name, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("prp_gym")]
+    assert prp_gym.list_envs() == known
+    assert len(set(known)) == len(known) > 0
+
+
+def test_ids_are_named_and_versioned_alike(entry: EnvironmentEntry) -> None:
+    namespace, name, version = gymnasium.envs.registration.parse_env_id(entry.id)
+    assert namespace is None
+    assert name.startswith("PRP-")
+    assert version is not None
+
+
+def test_id_leads_to_its_own_environment(entry: EnvironmentEntry) -> None:
+    env = gymnasium.make(entry.id)
+    inner = env.unwrapped
+    assert isinstance(inner, PRPEnv)
+    assert inner.task.environment_id == entry.id
+    assert inner.spec is not None
+    assert inner.spec.id == entry.id
+    module, _, name = entry.entry_point.partition(":")
+    assert type(inner) is getattr(import_module(module), name)
+    assert entry.summary
+
+
+def test_entries_and_classes_are_one_to_one() -> None:
+    assert len({entry.entry_point for entry in ENVIRONMENTS}) == len(ENVIRONMENTS)
+    assert len({entry.summary for entry in ENVIRONMENTS}) == len(ENVIRONMENTS)
+
+
+def test_registering_again_changes_nothing() -> None:
+    before = {entry.id: gymnasium.registry[entry.id] for entry in ENVIRONMENTS}
+    register_environments()  # Gymnasium warns when an id is overridden, and warnings are errors here
+    assert all(gymnasium.registry[name] is spec for name, spec in before.items())
+
+
+def test_list_is_the_callers_own() -> None:
+    prp_gym.list_envs().clear()
+    assert prp_gym.list_envs()
+
+
+def test_make_finds_the_package_by_prefix_without_an_import(entry: EnvironmentEntry) -> None:
+    code = (
+        "import gymnasium, sys; assert 'prp_gym' not in sys.modules;"
+        f"env = gymnasium.make('prp_gym:{entry.id}', scenario='report');"
+        "env.reset(seed=0); print(env.step(env.action_space.sample())[3], env.unwrapped.task.environment_id)"
+    )
+    assert run(code) == f"False {entry.id}"
+
+
+def test_importing_the_package_loads_neither_environments_nor_learning_libraries() -> None:
+    heavy = ("prp_gym.envs", "prp_gym.baselines", "prp_gym.agents", "torch", "stable_baselines3", "typer")
+    code = f"import sys, prp_gym; print(sorted(set(sys.modules) & set({heavy})))"
+    assert run(code) == "[]"
+
+
+def test_making_and_stepping_loads_no_learning_library() -> None:
+    code = (
+        "import sys, gymnasium, prp_gym\n"
+        "for name in prp_gym.list_envs():\n"
+        "    env = gymnasium.make(name)\n"
+        "    env.reset(seed=0)\n"
+        "    env.step(env.action_space.sample())\n"
+        "print(sorted({name.split('.')[0] for name in sys.modules} & {'torch', 'stable_baselines3', 'rich'}))"
+    )
+    assert run(code) == "[]"
