@@ -34,8 +34,9 @@ class JointInverseDynamics(Baseline[JointInverseDynamicsSettings]):
     """τ = B(q) y + n(q, q̇), y = q̈_d + K_D (q̇_d - q̇) + K_P (q_d - q), n = C q̇ + F_v q̇ + F_s sign(q̇) + g.
 
     With the exact model every joint obeys q̃¨ + K_D q̃˙ + K_P q̃ = 0 on its own: natural frequency √K_P,
-    damping ratio K_D/(2√K_P), stable for any positive gains. Under zero-order hold with period dt the
-    double integrator needs K_D dt < 2 and K_P dt² < 2 K_D dt. With a wrong model the error is bounded
+    damping ratio K_D/(2√K_P), stable for any positive gains in continuous time. Under an exact zero-order
+    hold with period dt the double integrator needs K_D dt < 2 and K_P dt² < 2 K_D dt; the compensation, held
+    too, and a late torque lower these bounds. With a wrong model the error is bounded
     where the inertia estimate is near enough to the true one, but does not vanish.
 
     Source: [S] 8.5.2; [R] 7.

@@ -42,10 +42,13 @@ class JointPDSettings(Settings):
 class JointPD(Baseline[JointPDSettings]):
     """τ = g + K_P q̃ + K_D (q̇_d - q̇), with q̃ = q_d - q.
 
-    g is g(q), g(q_d) or left out. For a constant reference and g(q) the equilibrium q̃ = 0 is globally
-    asymptotically stable for any positive K_P and K_D (Lyapunov function ½ q̇ᵀBq̇ + ½ q̃ᵀK_P q̃); g(q_d)
-    needs K_P above the gravity gradient, 0.96 N m/rad in joint 3; without g a joint sags by g_i/K_Pi.
-    A moving reference is followed with an error, since inertia and Coriolis forces are not compensated.
+    g is g(q), g(q_d) or left out. In continuous time, without torque limits, and for a constant reference:
+    with g(q) the equilibrium q̃ = 0 is globally asymptotically stable for any positive K_P and K_D
+    (Lyapunov function ½ q̇ᵀBq̇ + ½ q̃ᵀK_P q̃); with g(q_d) it is so if K_P exceeds the gravity gradient,
+    0.96 N m/rad in joint 3; without g joint 3 sags to where K_P q̃ = g. A moving reference is followed with
+    an error, since inertia and Coriolis forces are not compensated. Held over a control period dt, the gains
+    must also keep the sampled loop stable: K_D dt must stay well below twice the inertia that a joint feels,
+    down to 0.0096 kg m² in joint 3 (at q_3 = ±π/2, where the slide yields to it).
 
     Source: [S] 8.5.1; [R] 6.
     """

@@ -16,7 +16,7 @@ from prp_gym.tasks.fields import ObservationLayout
 PolicyState = tuple[NDArray[Any], ...] | None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ControlInterface:
     """All that a law may know of an environment, beside what it observes.
 

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.gains import gain_sets, load_gains
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics
 from prp_gym.baselines.joint_pd import JointPD
 from prp_gym.baselines.policy import Baseline, ControlInterface
-from prp_gym.errors import UnknownNameError
+from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tasks.fields import ObservationLayout
 
 BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in (JointPD, JointInverseDynamics)}
@@ -38,7 +38,8 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
     Raises:
         UnknownNameError: a law, gain set or setting that does not exist.
         MissingFieldError: the environment does not observe what the law reads.
-        InvalidValueError: a setting that is not allowed, or an environment of another suite.
+        InvalidValueError: a setting that is not allowed, gains that are unstable at the environment's
+            control frequency, or an environment of another suite.
     """
     if name not in BASELINES:
         raise UnknownNameError("baseline", name, BASELINES)
@@ -46,4 +47,11 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
     interface = ControlInterface.of(env)
     values = load_gains(name, gains, interface.environment_id)
     values.pop("source")
+    least = values.pop("minimum_frequency", 0.0)
+    if round(1.0 / interface.period, 6) < least:
+        allowed = f"at least {least:g} with gains {gains!r} of law {name!r}, which are unstable below it"
+        others = ", ".join(item for item in gain_sets(name) if item != gains)
+        raise InvalidValueError(
+            "control_frequency", round(1.0 / interface.period, 6), f"{allowed} (other sets: {others})", "Hz"
+        )
     return law(interface, law.settings_class.from_mapping(name, {**values, **overrides}))

@@ -17,7 +17,8 @@ from rich.console import Console
 from rich.table import Table
 
 import prp_gym
-from prp_gym.physics import Physics, to_mjcf
+from prp_gym.physics import to_mjcf
+from prp_gym.robot import NOMINAL
 from prp_gym.robot.arrays import Array
 
 ROUNDS = 9
@@ -50,7 +51,7 @@ def bare_loop(substeps: int, horizon: int) -> Callable[[], None]:
     """A chunk of bare `mj_step` calls on the environment's model, reset as often as the environment."""
     model = mujoco.MjModel.from_xml_string(to_mjcf())
     data = mujoco.MjData(model)
-    torques = list(random_actions(3) * Physics().parameters.torque_limit)
+    torques = list(random_actions(3) * NOMINAL.torque_limit)
     control, count = data.ctrl, 0
 
     def chunk() -> None:

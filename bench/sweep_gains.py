@@ -7,6 +7,7 @@ evaluation uses: gains that look good on the nominal arm alone may chatter with 
 that do chatter, seen as torques at their limits for more than 5 % of the time, are left out.
 """
 
+import itertools
 from typing import Any
 
 import gymnasium
@@ -18,13 +19,15 @@ from rich.table import Table
 import prp_gym
 from prp_gym.robot.arrays import Array
 
-FREQUENCIES = (6.0, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0, 56.0, 80.0)  # rad/s
-DAMPING_RATIOS = (0.7, 1.0, 1.4)
+FREQUENCIES = (4.0, 5.6, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0, 56.0, 80.0, 110.0, 160.0)  # rad/s
+DAMPING_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0)
+CONTROL_FREQUENCIES = (500.0, 50.0)  # Hz
 EPISODES = 12  # in each scenario
 SCENARIOS = ("randomized", "realistic")
 MOST_SATURATION = 5.0  # % of joints and steps, median over the episodes of a scenario
 FIRST_SEED = 1_000_000
 LAWS = ("joint_pd", "joint_inverse_dynamics")
+_STABLE_UP_TO = 2.0  # 2ζω dt, the double integrator's bound under zero-order hold
 
 
 def mean_inertia() -> Array:
@@ -47,7 +50,9 @@ def gains(law: str, frequency: float, damping_ratio: float) -> dict[str, Array]:
 
 def sweep(law: str, envs: list[gymnasium.Env[Any, Any]]) -> list[tuple[float, float, float]]:
     """Score, bandwidth and damping ratio of every candidate that does not chatter, best first."""
-    candidates = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS]
+    period = 1.0 / envs[0].get_wrapper_attr("control_frequency")
+    grid = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS]
+    candidates = [(w, z) for w, z in grid if 2.0 * z * w * period < _STABLE_UP_TO]
     results = []
     for frequency, ratio in track(candidates, description=law):
         policy = prp_gym.make_baseline(law, envs[0], "report", **gains(law, frequency, ratio))
@@ -59,12 +64,14 @@ def sweep(law: str, envs: list[gymnasium.Env[Any, Any]]) -> list[tuple[float, fl
 
 
 def main() -> None:
-    """Sweep every law on every joint-space environment and print the best candidates."""
+    """Sweep the laws at every rate on every environment that they run on, and print the best candidates."""
     console = Console(width=120)
-    for environment_id in prp_gym.list_envs():
-        envs = [gymnasium.make(environment_id, scenario=name) for name in SCENARIOS]
-        for law in LAWS:
-            table = Table(title=f"{law} on {environment_id}", title_justify="left")
+    for rate, environment_id in itertools.product(CONTROL_FREQUENCIES, prp_gym.list_envs()):
+        envs = [gymnasium.make(environment_id, scenario=s, control_frequency=rate) for s in SCENARIOS]
+        eligible = prp_gym.list_baselines(envs[0].get_wrapper_attr("observation_layout"))
+        for law in (name for name in LAWS if name in eligible):
+            title = f"{law} on {environment_id} at {rate:g} Hz"
+            table = Table(title=title, title_justify="left")
             for header in ("score", "ω [rad/s]", "ζ", "K_P", "K_D"):
                 table.add_column(header, justify="right")
             for score, frequency, ratio in sweep(law, envs)[:5]:

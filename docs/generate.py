@@ -80,7 +80,8 @@ def _data_sheet(env: Any, environment_id: str) -> str:
     names = ", ".join(f"`{name}`" for name in env.task.reset_options)
     parts.append(
         f"`reset(options=...)` takes {names}. The episode is truncated after `duration`; it is terminated"
-        " only if the simulation leaves the declared bounds of joint position or velocity.\n"
+        " only if the simulation diverges: it leaves the declared bounds of joint position or velocity, or"
+        " MuJoCo meets a value that is not finite.\n"
     )
     laws = ", ".join(f"`{name}`" for name in list_baselines(env.observation_layout))
     parts.append(f"Laws that run here: {laws}.\n")
@@ -152,18 +153,28 @@ def _gain_sets(sets: dict[str, Any]) -> str:
     return table(("set", "environment", "values", "source"), rows)
 
 
+def _value(value: Any) -> str:
+    if isinstance(value, list):
+        return _numbers(value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
 def _settings(values: dict[str, Any]) -> str:
-    return "; ".join(f"{key} {_numbers(value)}" for key, value in values.items() if key != "source")
+    return "; ".join(f"{key} {_value(value)}" for key, value in values.items() if key != "source")
 
 
 def metrics_page() -> str:
     """Every metric with unit and definition."""
-    rows = [(f"`{m.name}`", ", ".join(m.units), m.definition) for m in METRICS]
+    rows = [
+        (f"`{m.name}`", ", ".join(m.units), m.definition, "higher" if m.higher_is_better else "lower")
+        for m in METRICS
+    ]
     text = (
         "Joint-wise metrics have one number a joint. Tables show the interquartile mean of the score with a"
     )
-    text += " 95 % bootstrap interval over the episodes, and medians of the rest.\n\n"
-    return "\n".join([NOTE, "# Metrics\n", text + table(("metric", "unit", "definition"), rows)])
+    text += " 95 % bootstrap interval over the episodes, and medians of the rest. After a divergence only the"
+    text += " score and the divergence count.\n\n"
+    return "\n".join([NOTE, "# Metrics\n", text + table(("metric", "unit", "definition", "better"), rows)])
 
 
 def command_line_page() -> str:

@@ -36,7 +36,7 @@ class IdealActuators(Actuators):
 
 
 class RealisticActuators(Actuators):
-    """Commands act late and with white noise.
+    """Commands act late, by whole control periods, and with white noise on top of the limited torque.
 
     An environment's noise depends on its seed and its own step count alone, not on its neighbours.
 

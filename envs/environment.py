@@ -1,8 +1,7 @@
 """`PRPEnv`: the Gymnasium environment, a loop of one."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
+from prp_gym.envs.data import load_task_numbers
 from prp_gym.envs.loop import EpisodeLoop, InfoField, LoopState
 from prp_gym.errors import (
     EpisodeError,
@@ -33,16 +33,11 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import NOMINAL
 from prp_gym.tasks.fields import ObservationLayout
-from prp_gym.tasks.task import Task
+from prp_gym.tasks.task import NoOptions, Task
 
 _ONLY = np.array([0])
 _VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
 _METRES_PER_NEWTON = 0.02  # length of the drawn force arrow
-
-
-@dataclass(frozen=True)
-class NoOptions:
-    """A task without keywords of its own."""
 
 
 class EnvState(NamedTuple):
@@ -54,7 +49,7 @@ class EnvState(NamedTuple):
     generator: Mapping[str, Any]
 
 
-class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
+class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
     """One arm and one task.
 
     Actions are torques over their limits, Box(-1, 1, (3,), float32); observations a flat float64 vector
@@ -75,20 +70,21 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
         self.options: object
         self.config, self.options = parse_keywords(keywords, self.options_class)
         modes = [mode for mode in RENDER_MODES if mode != "human" or has_display()]
-        self.metadata = {"render_modes": modes, "render_fps": round(self.config.control_frequency)}
+        self.metadata = {"render_modes": modes, "render_fps": max(1, round(self.config.control_frequency))}
         if self.config.render_mode == "human" and not has_display():
             raise RenderingError(NO_DISPLAY)
         self.render_mode = self.config.render_mode
-        self._loop = EpisodeLoop(self._make_task(self.config, self.options), self.config)
+        self._loop = EpisodeLoop(self.make_task(self.config, self.options), self.config)
         self._info_names = tuple(field.name for field in self._loop.info_fields)
         self._renderer: OffscreenRenderer | WindowRenderer | None = None
         self.observation_space = self._loop.task.layout.space()
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float32)
 
     @classmethod
-    @abstractmethod
-    def _make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
+    def make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
         """The task; the same for single and vectorised environments."""
+        numbers = load_task_numbers(cls.task_class.environment_id)
+        return cls.task_class(numbers, config.load_scenario(), PRPArm(NOMINAL), options)
 
     @property
     def observation_layout(self) -> ObservationLayout:
@@ -114,6 +110,16 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
     def torque_limit(self) -> Array:
         """Joint torques at action 1 (3) [N m, N, N m]."""
         return self._loop.torque_limit.copy()
+
+    @property
+    def commanded_torque(self) -> Array:
+        """Joint torques that the last action asked for, within the limits (3) [N m, N, N m]."""
+        return np.array(self._loop.commanded_torque[0])
+
+    @property
+    def applied_torque(self) -> Array:
+        """Joint torques that acted in the last step, late and noisy where the scenario says so (3)."""
+        return np.array(self.physics.torque[0])
 
     @property
     def control_frequency(self) -> float:
@@ -149,8 +155,8 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             NonFiniteError: NaN or infinity in an option.
             JointLimitError: a start or goal outside the joint limits.
         """
-        super().reset(seed=seed)
         checked = self._checked_options(options or {})
+        super().reset(seed=seed)
         observation = self._loop.reset(_ONLY, [self.np_random], checked)
         if self.render_mode == "human":
             self.render()
@@ -215,13 +221,12 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             raise EpisodeError(
                 f"render() needs a render_mode at make time, one of {', '.join(RENDER_MODES)}."
             )
-        if not self._loop.started:
-            raise EpisodeError("render() shows an episode: call reset() first.")
+        self._require_started("render")
         data = physics.data()
         if config.render_mode == "human":
             if not isinstance(self._renderer, WindowRenderer):
                 self._renderer = WindowRenderer(physics.model(), physics.data(), config.camera)
-            self._renderer.show(data, self._marks())
+            self._renderer.show(physics.model(), data, self._marks())
             return None
         if not isinstance(self._renderer, OffscreenRenderer):
             self._renderer = OffscreenRenderer(physics.model(), config.width, config.height, config.camera)
@@ -242,7 +247,12 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
             self._renderer = None
 
     def get_state(self) -> EnvState:
-        """Copy of all that determines how the environment goes on, its generator included."""
+        """Copy of all that determines how the environment goes on, its generator included.
+
+        Raises:
+            EpisodeError: the environment was never reset.
+        """
+        self._require_started("get_state")
         generator = dict(self.np_random.bit_generator.state)
         return EnvState(self._loop.get_state(), self.config, self.options, generator)
 
@@ -267,6 +277,10 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]], ABC):
         observation: Array = self._loop.set_state(state.loop)[0]
         return observation
 
+    def _require_started(self, method: str) -> None:
+        if not self._loop.started:
+            raise EpisodeError(f"{method}() needs an episode: call reset() first.")
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_renderer": None}
 
@@ -276,8 +290,3 @@ def _as_numbers(what: str, values: object) -> Array:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise InvalidValueError(what, values, "an array of numbers") from None
-
-
-def nominal_arm() -> PRPArm:
-    """The arm that tasks and policies know."""
-    return PRPArm(NOMINAL)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, JointLimitError
+from prp_gym.errors import EpisodeError, InvalidValueError, JointLimitError
 from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, Mark, Path
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
@@ -15,13 +15,15 @@ from prp_gym.robot.parameters import JOINT_UNITS
 from prp_gym.tasks.fields import JOINT_REFERENCE_FIELDS, SPEED_BOUND
 from prp_gym.tasks.scenario import Range, Scenario
 from prp_gym.tasks.task import EpisodeStart, Task, TaskNumbers
-from prp_gym.tasks.trajectory import Trajectory
+from prp_gym.tasks.trajectory import Constant, Trajectory
+
+Draw = tuple[Trajectory, Array]
 
 _PATH_POINTS = 120
 _ROUNDING = 1e-12  # [rad] or [m]: a sum that ends on a limit
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class JointStart(EpisodeStart):
     """A start with its reference.
 
@@ -53,8 +55,8 @@ class JointTask(Task[JointStart]):
     reference_fields = JOINT_REFERENCE_FIELDS
     reset_options = ("joint_position", "joint_velocity", "goal")
 
-    def __init__(self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm) -> None:
-        super().__init__(numbers, scenario, arm)
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: object) -> None:
+        super().__init__(numbers, scenario, arm, options)
         self.ranges: Mapping[str, Range] = numbers.ranges[scenario.draws]
         self._measured = self.layout.index("joint_position")
         self._desired = self.layout.index("desired_joint_position")
@@ -64,13 +66,11 @@ class JointTask(Task[JointStart]):
     def trajectory(self) -> Trajectory:
         """The reference of every environment, N rows."""
         if self._trajectory is None:
-            raise AttributeError("trajectory: no episode has begun yet")
+            raise EpisodeError("no episode has begun yet: call reset() first.")
         return self._trajectory
 
     @abstractmethod
-    def draw_trajectory(
-        self, rng: np.random.Generator, joint_position: Array, goal: Array | None
-    ) -> tuple[Trajectory, Array]:
+    def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """Draw one reference.
 
         Args:
@@ -84,6 +84,13 @@ class JointTask(Task[JointStart]):
         Raises:
             JointLimitError: the reference would leave the joint limits.
         """
+
+    def draw_constant(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
+        """A constant reference, drawn or given; see `draw_trajectory`."""
+        drawn = self.ranges["goal"].draw(rng)
+        target = drawn if goal is None else goal
+        check_joint_limits(self.arm, "goal", target)
+        return Constant(target[None]), joint_position
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> JointStart:
         """See `Task.draw`."""

@@ -2,25 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from prp_gym.envs.config import EnvConfig, describe
-from prp_gym.envs.data import load_task_numbers
-from prp_gym.envs.environment import PRPEnv, nominal_arm
-from prp_gym.envs.joint_task import JointTask, check_joint_limits
+from prp_gym.envs.config import describe
+from prp_gym.envs.environment import PRPEnv
+from prp_gym.envs.joint_task import Draw, JointTask, check_joint_limits
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.scenario import Scenario
-from prp_gym.tasks.task import Task, TaskNumbers
-from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Sine, Trajectory
+from prp_gym.tasks.task import TaskNumbers
+from prp_gym.tasks.trajectory import QuinticWaypoints, Sine
 
 REFERENCES = ("quintic", "sine", "constant")
 STARTS = ("scenario", "first_waypoint", "home")
-
-Draw = tuple[Trajectory, Array]
 
 
 @dataclass(frozen=True)
@@ -67,22 +63,20 @@ class JointTracking(JointTask):
     def __init__(
         self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: TrackingOptions
     ) -> None:
-        super().__init__(numbers, scenario, arm)
-        self.options = options
+        super().__init__(numbers, scenario, arm, options)
+        self._kind = options.reference
         self._from_home = options.start == "home" or (
             options.start == "scenario" and not scenario.deterministic
         )
 
-    def draw_trajectory(
-        self, rng: np.random.Generator, joint_position: Array, goal: Array | None
-    ) -> tuple[Trajectory, Array]:
+    def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """A reference of the chosen kind; a goal replaces its end, centre or position."""
         draw: dict[str, Callable[[np.random.Generator, Array, Array | None], Draw]] = {
             "quintic": self._draw_quintic,
             "sine": self._draw_sine,
-            "constant": self._draw_constant,
+            "constant": self.draw_constant,
         }
-        return draw[self.options.reference](rng, joint_position, goal)
+        return draw[self._kind](rng, joint_position, goal)
 
     def _draw_quintic(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         waypoints = self.ranges["waypoints"].draw(rng).reshape(-1, 3)
@@ -111,12 +105,6 @@ class JointTracking(JointTask):
             return sine, joint_position
         return sine, sine.sample(np.zeros(1))[0, :3]
 
-    def _draw_constant(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        drawn = self.ranges["goal"].draw(rng)
-        target = drawn if goal is None else goal
-        check_joint_limits(self.arm, "goal", target)
-        return Constant(target[None]), joint_position
-
 
 class JointTrackingEnv(PRPEnv):
     """Follow a joint-space trajectory.
@@ -127,8 +115,3 @@ class JointTrackingEnv(PRPEnv):
 
     task_class = JointTracking
     options_class = TrackingOptions
-
-    @classmethod
-    def _make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
-        numbers = load_task_numbers(JointTracking.environment_id)
-        return JointTracking(numbers, config.load_scenario(), nominal_arm(), options)

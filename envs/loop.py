@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.actuators import make_actuators
-from prp_gym.envs.config import EnvConfig
+from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.reference_window import ReferenceWindow
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.mjcf import PhysicsSettings
@@ -84,6 +84,11 @@ class EpisodeLoop:
         config: common keywords.
         num_envs: N.
         num_threads: of the physics; 0 takes all cores.
+
+    Attributes:
+        torque_limit: joint torques at action 1 (3) [N m, N, N m].
+        commanded_torque: of the last step, within the limits (N, 3) [N m, N, N m].
+        info_fields: the columns of a step's `info`.
     """
 
     def __init__(self, task: Task[Any], config: EnvConfig, num_envs: int = 1, num_threads: int = 1) -> None:
@@ -92,12 +97,13 @@ class EpisodeLoop:
         self.num_envs = num_envs
         self.torque_limit = np.array(config.limits())
         scenario = task.scenario
-        settings = PhysicsSettings(joint_stops=scenario.joint_stops)
+        settings = PhysicsSettings(1.0 / SUBSTEPS_PER_SECOND, scenario.joint_stops)
         self.physics = Physics(task.arm.parameters, settings, num_envs, num_threads)
         self.reward = Reward(task.numbers.reward, 1.0 / config.control_frequency)
         terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self.reward.terms]
         self.info_fields = (*terms, *COMMON_INFO)
         self._actuators = make_actuators(scenario, num_envs)
+        self.commanded_torque = np.zeros((num_envs, 3))
         self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency)
         self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
         self._playable = False
@@ -191,6 +197,7 @@ class EpisodeLoop:
             action = np.clip(action, -1.0, 1.0)
             saturated = _count(~inside)
         command = action * self._limit
+        self.commanded_torque = command
         self.physics.set_torque(self._actuators.apply(command))
         self.physics.advance(self._substeps)
         self._window.advance(self.task.reference)
@@ -275,5 +282,5 @@ class EpisodeLoop:
         return self._observe()
 
     def _rest(self) -> dict[str, Any]:
-        names = ("task", "_actuators", "_window", "_unplayable", "_playable")
+        names = ("task", "commanded_torque", "_actuators", "_window", "_unplayable", "_playable")
         return {name: getattr(self, name) for name in names}

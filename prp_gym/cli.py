@@ -1,7 +1,9 @@
 """The command `prp-gym`."""
 
+import itertools
 import shlex
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,7 +15,7 @@ from rich.table import Table
 
 from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
 from prp_gym.baselines.gains import gain_sets
-from prp_gym.errors import PRPError, UnknownNameError
+from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play, evaluate
 from prp_gym.evaluation.results import describe_evaluation, describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
@@ -57,6 +59,7 @@ def evaluate_command(
     episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 20,
     seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
     gains: Annotated[str, typer.Option(help="Gain set of the laws.")] = "tuned",
+    control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
     output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
 ) -> None:
     """Evaluate classical baselines and print a table."""
@@ -67,7 +70,8 @@ def evaluate_command(
     )
     check_protocol(episodes, seed)
     target = output / "results.json"
-    jobs = _jobs(ids, scenarios, laws, gains)
+    jobs = _jobs(itertools.product(ids, scenarios), laws, gains, control_frequency)
+    _check_used(baseline or [], jobs)
     prepare_folder(output)
     console = _console()
     records: list[dict[str, Any]] = []
@@ -77,9 +81,9 @@ def evaluate_command(
         bar = progress.add_task("evaluating", total=total)
         for made, policies in jobs:
             rows = []
+            task = made.get_wrapper_attr("task")
             for policy in policies:
                 name = policy.name
-                task = made.get_wrapper_attr("task")
                 progress.update(bar, description=f"{task.environment_id} {task.scenario.name} {name}")
                 evaluation = evaluate(policy, made, episodes, seed, lambda: progress.advance(bar))
                 rows.append(Row(name, evaluation))
@@ -99,16 +103,27 @@ def evaluate_command(
 
 
 def _jobs(
-    ids: list[str], scenarios: list[str], laws: list[str], gains: str
+    places: Iterable[tuple[str, str]], laws: list[str], gains: str, control_frequency: float
 ) -> list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]:
     """Environments with the laws that can run on them, all made before anything is played."""
     jobs = []
-    for environment_id in ids:
-        for scenario in scenarios:
-            made = gymnasium.make(environment_id, scenario=scenario)
-            eligible = list_baselines(made.get_wrapper_attr("observation_layout"))
-            jobs.append((made, [make_baseline(name, made, gains) for name in laws if name in eligible]))
+    for environment_id, scenario in places:
+        made = gymnasium.make(environment_id, scenario=scenario, control_frequency=control_frequency)
+        eligible = list_baselines(made.get_wrapper_attr("observation_layout"))
+        policies = [make_baseline(name, made, gains) for name in laws if name in eligible]
+        if policies:
+            jobs.append((made, policies))
     return jobs
+
+
+def _check_used(laws: list[str], jobs: list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]) -> None:
+    """Refuse a law that was asked for by name and runs on none of the environments."""
+    used = {policy.name for _, policies in jobs for policy in policies}
+    for law in laws:
+        if law not in used:
+            raise InvalidValueError(
+                "baseline", law, f"a law that runs on the chosen environments: {sorted(used)}"
+            )
 
 
 def _progress() -> Progress:

@@ -157,6 +157,7 @@ def fabricated(*positions: float, still: bool = True) -> Evaluation:
             0.02,
             {"joint_position": actual, "joint_velocity": np.zeros((3, 3)), "desired_joint_position": desired},
             np.zeros((2, 3)),
+            np.zeros((2, 3)),
             np.full(2, 0.005),
             {"cost_saturation": np.zeros(2), "cost_joint_stop": np.zeros(2)},
             False,

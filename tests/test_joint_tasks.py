@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 
 from prp_gym.envs import JointRegulation, JointTracking, PRPEnv
 from prp_gym.envs.data import load_scenario, load_task_numbers
-from prp_gym.envs.environment import nominal_arm
 from prp_gym.envs.joint_task import JointStart, JointTask, check_joint_limits
 from prp_gym.envs.joint_tracking import REFERENCES, STARTS, TrackingOptions
 from prp_gym.errors import JointLimitError, UnknownNameError
-from prp_gym.robot import NOMINAL
+from prp_gym.robot import NOMINAL, PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Constant, QuinticWaypoints
 from prp_gym.tasks.reward import Reward
+from prp_gym.tasks.task import NoOptions
 
 SEEDS = st.integers(0, 2**32 - 1)
 LOW, HIGH = np.array(NOMINAL.joint_lower), np.array(NOMINAL.joint_upper)
@@ -38,12 +38,12 @@ RANDOM = [name for name in SCENARIOS if not load_scenario(name).deterministic]
 
 def regulation(scenario: str) -> JointRegulation:
     numbers = load_task_numbers(JointRegulation.environment_id)
-    return JointRegulation(numbers, load_scenario(scenario), nominal_arm())
+    return JointRegulation(numbers, load_scenario(scenario), PRPArm(), NoOptions())
 
 
 def tracking(scenario: str, reference: str = "quintic", start: str = "scenario") -> JointTracking:
     numbers = load_task_numbers(JointTracking.environment_id)
-    return JointTracking(numbers, load_scenario(scenario), nominal_arm(), TrackingOptions(reference, start))
+    return JointTracking(numbers, load_scenario(scenario), PRPArm(), TrackingOptions(reference, start))
 
 
 def tasks(scenario: str) -> list[JointTask]:
@@ -240,12 +240,12 @@ def test_sine_about_a_goal_too_near_a_limit_is_refused() -> None:
 def test_joint_limits_are_inclusive_and_name_the_joint(joint: int, unit: str, side: float) -> None:
     edge = np.array([0.0, -0.1, 0.0])
     edge[joint - 1] = (LOW if side < 0 else HIGH)[joint - 1]
-    check_joint_limits(nominal_arm(), "place", edge)
+    check_joint_limits(PRPArm(), "place", edge)
     beyond = edge.copy()
     beyond[joint - 1] += side * 1e-9
     for values in (beyond, np.array([edge, beyond])):
         with pytest.raises(JointLimitError, match=f"place: joint {joint} is") as caught:
-            check_joint_limits(nominal_arm(), "place", values)
+            check_joint_limits(PRPArm(), "place", values)
         assert caught.value.joint == joint
         assert caught.value.value == beyond[joint - 1]
         assert caught.value.unit == unit

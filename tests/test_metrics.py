@@ -54,6 +54,7 @@ def rollout(actual: Array, desired: Array, **changes: Any) -> Rollout:
             "desired_joint_position": desired,
         },
         "torque": np.tile([10.0, -20.0, 3.0], (steps, 1)),
+        "applied_torque": np.tile([10.0, -20.0, 3.0], (steps, 1)),
         "reward": np.full(steps, 0.006),
         "info": {
             "cost_saturation": np.arange(steps) % 4,

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.physics import PhysicsSettings, Surface
-from prp_gym.physics.surface import IMPEDANCE
+from prp_gym.physics.surface import IMPEDANCE, solver_reference
 from tests.pinocchio_model import Array
 from tests.test_surface_contract import ARM, COUNT, DAMPING, OFFSET, STIFFNESS, compliance, planes, world
 
@@ -93,8 +93,7 @@ def test_solver_reference_gives_spring_and_damper_after_the_solvers_own_scaling(
     generator = np.random.default_rng(2)
     stiffness, damping = generator.uniform(1.0, 5000.0, 30), generator.uniform(0.0, 50.0, 30)
     inverse_weight = generator.uniform(0.5, 2.0, 30)
-    surface = Surface(stiffness, damping, np.tile([0.0, 0.0, 1.0], (30, 1)), np.zeros(30))
-    reference = surface.solver_reference(inverse_weight)
+    reference = solver_reference(stiffness, damping, inverse_weight)
     # [M]: direct coefficients k, b act as k/d² and b/d; the row's regulariser is (1-d)/d Â, and the
     # position term carries another d
     regulariser = (1 - IMPEDANCE) / IMPEDANCE * inverse_weight

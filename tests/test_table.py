@@ -41,6 +41,7 @@ def episode(seed: int = 0, **changes: Any) -> Rollout:
             "desired_joint_position": np.tile([1.0, -0.1, 1.0], (3, 1)),
         },
         "torque": np.zeros((2, 3)),
+        "applied_torque": np.zeros((2, 3)),
         "reward": np.full(2, 0.005),
         "info": {"cost_saturation": np.zeros(2), "cost_joint_stop": np.zeros(2)},
         "diverged": False,
@@ -61,7 +62,7 @@ def body(*rows: Row) -> list[str]:
 
 
 def test_cells_show_the_known_values() -> None:
-    (line,) = body(row(error=[-0.012, 0.0034, 0.5], torque=np.full((2, 3), 50.0)))
+    (line,) = body(row(error=[-0.012, 0.0034, 0.5], applied_torque=np.full((2, 3), 50.0)))
     # scores ½ in every episode; RMSE over three samples, the first with the whole step; the steady error
     # is that of the last sample; the largest overshoot is joint 2's 3.4 of 100 mm; 3·50 W for 0.02 s
     assert line.split() == [
@@ -106,14 +107,14 @@ def test_title_and_every_unit_stand_above_the_numbers() -> None:
 
 WIDEST: dict[str, dict[str, Any]] = {
     "nothing": {},
-    "tiny": {"error": [-5.2e-6, -1.3e-5, -1.4e-4], "torque": np.full((2, 3), 0.02)},
-    "small": {"error": [-0.0012, -0.0013, -0.0014], "torque": np.full((2, 3), 1e3)},
-    "far": {"error": [-3.1415, -0.31415, -3.1415], "torque": np.full((2, 3), 9e4)},
+    "tiny": {"error": [-5.2e-6, -1.3e-5, -1.4e-4], "applied_torque": np.full((2, 3), 0.02)},
+    "small": {"error": [-0.0012, -0.0013, -0.0014], "applied_torque": np.full((2, 3), 1e3)},
+    "far": {"error": [-3.1415, -0.31415, -3.1415], "applied_torque": np.full((2, 3), 9e4)},
     "saturated": {"info": {"cost_saturation": np.full(2, 3.0), "cost_joint_stop": np.full(2, 3.0)}},
     "slow": {"compute_time": np.full(2, 1.2e-3)},
     "all": {
         "error": [-3.1415, -0.31415, -3.1415],
-        "torque": np.full((2, 3), 6e6),
+        "applied_torque": np.full((2, 3), 6e6),
         "info": {"cost_saturation": np.full(2, 3.0), "cost_joint_stop": np.full(2, 3.0)},
         "compute_time": np.full(2, 1.2e-3),
     },

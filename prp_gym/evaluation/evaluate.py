@@ -15,7 +15,7 @@ from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
 from prp_gym.robot.arrays import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Evaluation:
     """Recorded episodes of one policy on one environment.
 

@@ -60,7 +60,7 @@ def settling_time(time: Array, actual: Array, desired: Array) -> Array:
     Returns:
         (...) [s]; infinite if a joint is outside at the end, NaN if the reference moves.
 
-    Source: ISO 9283 (position stabilization time), with a relative band.
+    Source: the settling time of step responses, with a floor under the band.
     """
     step = np.abs(desired[..., -1, :] - actual[..., 0, :])
     band = np.maximum(SETTLING_BAND * step, RESOLUTION)
@@ -82,7 +82,7 @@ def overshoot(actual: Array, desired: Array) -> Array:
     Returns:
         (...) [%]; NaN if the reference moves or no joint has a step above `RESOLUTION`.
 
-    Source: ISO 9283 (position overshoot), relative to the step.
+    Source: the overshoot of step responses.
     """
     step = desired[..., -1, :] - actual[..., 0, :]
     moves = np.abs(step) > RESOLUTION
@@ -109,7 +109,7 @@ def steady_state_error(actual: Array, desired: Array) -> Array:
 
 
 def mechanical_energy(torque: Array, velocity: Array, period: float) -> Array:
-    """∫ Σ |τ_i q̇_i| dt by the trapezoidal rule over each control period, the torque held.
+    """∫ Σ |τ_i q̇_i| dt by the trapezoidal rule over each control period, the applied torque held.
 
     Args:
         torque: (..., T, 3) [N m, N, N m].
@@ -151,6 +151,7 @@ class Metric:
         requires: observation fields without which it does not exist.
         compute: from a recorded episode, as many numbers as units.
         higher_is_better: the direction.
+        survives_divergence: whether it means something for an episode that was cut short.
     """
 
     name: str
@@ -159,6 +160,7 @@ class Metric:
     requires: tuple[str, ...]
     compute: Callable[[Rollout], Array]
     higher_is_better: bool = False
+    survives_divergence: bool = False
 
 
 def _joints(rollout: Rollout) -> tuple[Array, Array]:
@@ -176,6 +178,7 @@ METRICS = (
         (),
         lambda r: np.array([r.reward.sum() / r.duration]),
         higher_is_better=True,
+        survives_divergence=True,
     ),
     Metric(
         "joint_rmse",
@@ -194,14 +197,14 @@ METRICS = (
     Metric(
         "settling_time",
         ("s",),
-        "when every joint has entered 2 % of its step for good; on constant references",
+        "when every joint is within 2 % of its step (at least 2 mrad, 0.2 mm) for good; constant references",
         _JOINT_FIELDS,
         lambda r: np.atleast_1d(settling_time(r.time, *_joints(r))),
     ),
     Metric(
         "overshoot",
         ("%",),
-        "largest excess of a joint beyond the goal over its step; on constant references",
+        "largest excess beyond the goal over a joint's step (above 2 mrad, 0.2 mm); constant references",
         _JOINT_FIELDS,
         lambda r: np.atleast_1d(overshoot(*_joints(r))),
     ),
@@ -215,9 +218,9 @@ METRICS = (
     Metric(
         "energy",
         ("J",),
-        "∫ Σ |τ_i q̇_i| dt",
+        "∫ Σ |τ_i q̇_i| dt of the torques that acted",
         ("joint_velocity",),
-        lambda r: np.atleast_1d(mechanical_energy(r.torque, r.fields["joint_velocity"], r.period)),
+        lambda r: np.atleast_1d(mechanical_energy(r.applied_torque, r.fields["joint_velocity"], r.period)),
     ),
     Metric(
         "torque_rms",
@@ -253,14 +256,20 @@ METRICS = (
         "share of episodes that ended in a divergence",
         (),
         lambda r: np.array([100.0 * r.diverged]),
+        survives_divergence=True,
     ),
 )
 
 
 def episode_metrics(rollout: Rollout) -> dict[str, Array]:
-    """Every metric that exists for an episode, by name."""
+    """Every metric that exists for an episode, by name.
+
+    After a divergence only the score and the divergence mean anything; the others are NaN.
+    """
     return {
-        metric.name: metric.compute(rollout)
+        metric.name: np.full(len(metric.units), np.nan)
+        if rollout.diverged and not metric.survives_divergence
+        else metric.compute(rollout)
         for metric in METRICS
         if all(name in rollout.fields for name in metric.requires)
     }

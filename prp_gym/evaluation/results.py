@@ -93,12 +93,11 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """
     prepare_folder(path.parent)
     text = json.dumps(to_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.chmod(name, 0o644)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
+    except OSError as error:
+        raise OutputError(path, error) from error
+    finally:
+        part.unlink(missing_ok=True)

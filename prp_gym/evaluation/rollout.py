@@ -26,7 +26,7 @@ class Policy(Protocol):
         """The action for an observation, and the policy's state for the next call."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rollout:
     """One episode of T steps.
 
@@ -38,6 +38,7 @@ class Rollout:
         duration: that the episode was to have [s].
         fields: observation fields by name (T + 1, size), the first row from the reset.
         torque: commanded torques within the actuator limits (T, 3) [N m, N, N m].
+        applied_torque: torques that acted, late and noisy where the scenario says so (T, 3).
         reward: (T) [s].
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
@@ -51,6 +52,7 @@ class Rollout:
     duration: float
     fields: Mapping[str, Array]
     torque: Array
+    applied_torque: Array
     reward: Array
     info: Mapping[str, Array]
     diverged: bool
@@ -83,7 +85,7 @@ def record_episode(
     if not hasattr(inner, "observation_layout"):
         raise InvalidValueError("env", env, "an environment of prp_gym")
     observation, _ = env.reset(seed=seed, options=options)
-    observations, actions, rewards, infos, costs = [observation], [], [], [], []
+    observations, torques, applied, rewards, infos, costs = [observation], [], [], [], [], []
     state, start, terminated, truncated = None, np.array([True]), False, False
     while not (terminated or truncated):
         before = time.perf_counter()
@@ -92,10 +94,10 @@ def record_episode(
         observation, reward, terminated, truncated, info = env.step(action)
         start = np.array([False])
         observations.append(observation)
-        actions.append(action)
+        torques.append(inner.get_wrapper_attr("commanded_torque"))
+        applied.append(inner.get_wrapper_attr("applied_torque"))
         rewards.append(float(reward))
         infos.append(info)
-    limit = inner.get_wrapper_attr("torque_limit")
     return Rollout(
         environment_id=inner.get_wrapper_attr("task").environment_id,
         scenario=inner.get_wrapper_attr("task").scenario.name,
@@ -103,7 +105,8 @@ def record_episode(
         period=1.0 / inner.get_wrapper_attr("control_frequency"),
         duration=float(inner.get_wrapper_attr("duration")),
         fields=inner.get_wrapper_attr("observation_layout").split(np.array(observations)),
-        torque=np.clip(np.array(actions, dtype=np.float64), -1.0, 1.0) * limit,
+        torque=np.array(torques),
+        applied_torque=np.array(applied),
         reward=np.array(rewards),
         info={name: np.array([row[name] for row in infos]) for name in infos[0]},
         diverged=terminated,

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.physics.mjcf import TIP_RADIUS
-from prp_gym.physics.surface import Surface, friction_reference
+from prp_gym.physics.surface import Surface, friction_reference, solver_reference
 from prp_gym.robot.arrays import Array
 
 Ids = NDArray[np.intp]
 
+_SPRINGS = "surface springs"
 _FIELDS = (
     "body_mass",
     "body_inertia",
@@ -45,13 +46,13 @@ class ModelFields:
     def __init__(self, batch: Batch) -> None:
         self._batch = batch
         self._links = [batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
+        self._springs = np.full((batch.nsim, 2), np.nan)  # stiffness and damping of surfaces that were set
 
     def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
         """See `Physics.set_surface`; the drawn patch lies where `center` (3) [m] projects onto the plane."""
         check_rows("surface", surface.normal, (len(ids), 3))
-        inverse_weight = self._inverse_weight(ids)
-        self._batch.expand("pair_solref")[ids, 0] = surface.solver_reference(inverse_weight)
-        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(inverse_weight)
+        self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
+        self._calibrate(ids)
         gap = surface.offset - TIP_RADIUS - (surface.normal * center).sum(axis=-1)
         body = self._batch.model.body("surface").id
         self._batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
@@ -64,7 +65,6 @@ class ModelFields:
         _check_numbers("mass_factor", mass_factor, len(ids), "above 0")
         _check_numbers("viscous_friction", viscous_friction, len(ids), "at least 0")
         _check_numbers("coulomb_friction", coulomb_friction, len(ids), "at least 0")
-        before = self._inverse_weight(ids)
         model, rows = self._batch.model, np.asarray(ids)[:, None]
         inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
         self._batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
@@ -72,10 +72,16 @@ class ModelFields:
         self._batch.expand("dof_damping")[ids] = viscous_friction
         self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
         self._batch.set_const(ids)
-        if self._batch.expanded("pair_solref") is not None:
-            ratio = (self._inverse_weight(ids) / before)[:, None]
-            self._batch.expand("pair_solref")[ids, 0] *= ratio
-            self._batch.expand("pair_solreffriction")[ids, 0] *= ratio
+        self._calibrate(ids[~np.isnan(self._springs[ids, 0])])
+
+    def _calibrate(self, ids: Ids) -> None:
+        """Make the contacts the springs that were set, whatever the masses now are."""
+        if len(ids) == 0:
+            return
+        weight = self._inverse_weight(ids)
+        stiffness, damping = self._springs[ids].T
+        self._batch.expand("pair_solref")[ids, 0] = solver_reference(stiffness, damping, weight)
+        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(weight)
 
     def _inverse_weight(self, ids: Ids) -> Array:
         """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
@@ -88,10 +94,12 @@ class ModelFields:
     def copy(self) -> dict[str, Array]:
         """The values of all fields that differ, by name."""
         fields = {name: self._batch.expanded(name) for name in _FIELDS}
-        return {name: np.array(values) for name, values in fields.items() if values is not None}
+        kept = {name: np.array(values) for name, values in fields.items() if values is not None}
+        return {**kept, _SPRINGS: self._springs.copy()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Go back to what `copy` gave, shared fields to the model's values."""
+        self._springs[:] = kept[_SPRINGS]
         for name in _FIELDS:
             if name in kept:
                 self._batch.expand(name)[:] = kept[name]

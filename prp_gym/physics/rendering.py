@@ -29,7 +29,7 @@ _MOST_MARKS = 1000
 _CLOSING_TIMEOUT = 5.0  # [s]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ball:
     """A ball in the world frame: centre (3) [m], radius [m]."""
 
@@ -38,7 +38,7 @@ class Ball:
     color: Color
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Path:
     """A line through points (k, 3) in the world frame [m], its width in pixels."""
 
@@ -47,7 +47,7 @@ class Path:
     color: Color
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Arrow:
     """An arrow from a point along a vector, both (3) in the world frame [m]."""
 
@@ -182,11 +182,12 @@ class WindowRenderer:
             self._viewer.cam.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
             self._viewer.cam.fixedcamid = model.camera(camera).id
 
-    def show(self, data: mujoco.MjData, marks: Sequence[Mark]) -> None:
-        """Bring the window up to date."""
+    def show(self, model: mujoco.MjModel, data: mujoco.MjData, marks: Sequence[Mark]) -> None:
+        """Bring the window up to date, also where the surface now is."""
         if not self._viewer.is_running():
             return
         with self._viewer.lock():
+            self._model.body_pos[:], self._model.body_quat[:] = model.body_pos, model.body_quat
             self._data.time = data.time
             self._data.qpos[:] = data.qpos
             self._data.qvel[:] = data.qvel

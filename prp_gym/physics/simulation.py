@@ -35,7 +35,8 @@ class PhysicsState(NamedTuple):
 class Physics:
     """N simulations of the arm on MuJoCo's native batch; a single environment has N = 1.
 
-    Answers are read-only arrays with N rows that are current after `reset` and `advance`. The same
+    Answers are read-only arrays with N rows that are current after `reset` and `advance`; they change
+    with the simulations, so copy what is to be kept. The same
     torques give the same bits for any N and any number of threads.
 
     Args:
@@ -70,6 +71,8 @@ class Physics:
         self._position: Array = self._batch.bind("qpos")
         self._velocity: Array = self._batch.bind("qvel")
         self._torque: Array = self._batch.bind("ctrl")
+        self._applied: Array = self._torque.view()
+        self._applied.flags.writeable = False
         self._sensors: Array = self._batch.bind("sensordata")
         stages = mujoco.mjtStage
         stage = stages.mjSTAGE_ACC if self.settings.surface else stages.mjSTAGE_VEL
@@ -162,7 +165,7 @@ class Physics:
     @property
     def torque(self) -> Array:
         """(N, 3) joint torques that act until they are set anew [N m, N, N m]."""
-        return self._torque
+        return self._applied
 
     def set_torque(self, torque: Array) -> None:
         """Joint torques that act from now on (N, 3) [N m, N, N m]; the caller vouches for finite values."""

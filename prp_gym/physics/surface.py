@@ -83,21 +83,6 @@ class Surface:
             np.array([offset]),
         )
 
-    def solver_reference(self, inverse_weight: Array) -> Array:
-        """MuJoCo's `solref` that makes the contact this spring and damper.
-
-        Args:
-            inverse_weight: (n) `body_invweight0` (translation) of the tip's body [1/kg].
-
-        Returns:
-            (n, 2).
-
-        Source: [M] Computation, Solver parameters: with impedance d and R = (1-d)/d Â, direct
-            coefficients (-K Â (1-d), -D Â (1-d)) give the normal force K depth + D rate.
-        """
-        scale = -inverse_weight * (1.0 - IMPEDANCE)
-        return np.stack([self.stiffness * scale, self.damping * scale], axis=-1)
-
     def quaternions(self) -> Array:
         """(n, 4) rotations (w, x, y, z) that turn the z axis into the normals."""
         x, y, z = self.normal[:, 0], self.normal[:, 1], self.normal[:, 2]
@@ -121,3 +106,21 @@ def friction_reference(inverse_weight: Array) -> Array:
     """
     damping = _FRICTION_DAMPING * inverse_weight * (1.0 - IMPEDANCE) / IMPEDANCE_RATIO
     return np.stack([np.zeros_like(damping), -damping], axis=-1)
+
+
+def solver_reference(stiffness: Array, damping: Array, inverse_weight: Array) -> Array:
+    """MuJoCo's `solref` that makes a contact a spring and damper.
+
+    Args:
+        stiffness: K (n) [N/m].
+        damping: D (n) [N s/m].
+        inverse_weight: (n) `body_invweight0` (translation) of the tip's body [1/kg].
+
+    Returns:
+        (n, 2).
+
+    Source: [M] Computation, Solver parameters: with impedance d and R = (1-d)/d Â, direct coefficients
+        (-K Â (1-d), -D Â (1-d)) give the normal force K depth + D rate.
+    """
+    scale = -inverse_weight * (1.0 - IMPEDANCE)
+    return np.stack([stiffness * scale, damping * scale], axis=-1)

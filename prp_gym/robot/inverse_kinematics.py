@@ -81,14 +81,17 @@ class InverseKinematics(Kinematics):
 
         Raises:
             ShapeError: not three components.
-            NonFiniteError: NaN or infinity in the point.
+            NonFiniteError: NaN or infinity in the point or the seed.
             UnreachableError: no branch attains the point within the limits; it carries the distance
                 [m] by which the nearest branch, clipped to the limits, misses, and what was broken.
         """
         point = as_vectors(tip_position, "tip_position")
         start = as_vectors(seed, "seed")
+        if not np.isfinite(start).all():
+            raise NonFiniteError("seed", start.tolist())
         point = np.broadcast_to(point, np.broadcast_shapes(point.shape, start.shape))
         joints, valid = self.inverse_kinematics_branches(point)
+        joints = self._turned_towards(joints, start)
         reachable = valid.any(axis=-1)
         if not reachable.all():
             raise self._unreachable(point[~reachable][0])
@@ -106,6 +109,15 @@ class InverseKinematics(Kinematics):
             turned = low + np.mod(angle - low, 2 * np.pi)
             outside = (angle < low - _TOLERANCE) | (angle > high + _TOLERANCE)
             joints[..., joint] = np.where(outside & (turned <= high + _TOLERANCE), turned, angle)
+        return joints
+
+    def _turned_towards(self, joints: Array, seed: Array) -> Array:
+        """The same angles of joints 1 and 3, full turns nearer to a seed where the limits permit it."""
+        for joint in (0, 2):
+            low, high = self.parameters.joint_lower[joint], self.parameters.joint_upper[joint]
+            angle = joints[..., joint]
+            turned = angle + 2 * np.pi * np.round((seed[..., None, joint] - angle) / (2 * np.pi))
+            joints[..., joint] = np.where((turned >= low) & (turned <= high), turned, angle)
         return joints
 
     def _unreachable(self, point: Array) -> UnreachableError:

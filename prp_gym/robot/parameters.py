@@ -116,7 +116,8 @@ _MASS: Vector3 = (
 class RobotParameters:
     """Everything that the closed-form model, the MuJoCo model and the URDF are generated from.
 
-    The defaults are the nominal arm. Joint order (1, 2, 3); joints 1 and 3 turn, joint 2 slides.
+    The defaults are the nominal arm; masses do not follow another geometry, see `from_geometry`. Joint
+    order (1, 2, 3); joints 1 and 3 turn, joint 2 slides.
 
     Attributes:
         geometry: lengths [m].

@@ -18,7 +18,7 @@ class RewardTerm:
     Attributes:
         name: as it appears in `info`, there with the prefix `reward_`.
         weight: w, the term's share of the score.
-        scale: s, the error in each component at which the term has lost half of its worth.
+        scale: s, the error in one component that alone halves the term's worth.
         unit: of each component.
     """
 

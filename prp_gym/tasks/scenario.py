@@ -35,7 +35,7 @@ class Range:
         return rng.uniform(self.low, self.high)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlantDraw:
     """How one episode's plant differs from the nominal arm.
 

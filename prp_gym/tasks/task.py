@@ -16,7 +16,7 @@ from prp_gym.tasks.reward import RewardTerm
 from prp_gym.tasks.scenario import Range, Scenario
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EpisodeStart:
     """How one episode of one environment starts.
 
@@ -42,6 +42,12 @@ class TaskNumbers:
     ranges: Mapping[str, Mapping[str, Range]]
 
 
+@dataclass(frozen=True)
+class NoOptions:
+    """The keywords of a task that has none of its own."""
+
+
+_NO_OPTIONS = NoOptions()
 StartT = TypeVar("StartT", bound=EpisodeStart)
 
 
@@ -52,6 +58,7 @@ class Task(ABC, Generic[StartT]):
         numbers: from the task's data file.
         scenario: the conditions of the episodes.
         arm: the nominal arm.
+        options: the task's own keywords.
 
     Attributes:
         environment_id: under which Gymnasium knows the task.
@@ -63,7 +70,9 @@ class Task(ABC, Generic[StartT]):
     reference_fields: ClassVar[tuple[Field, ...]]
     reset_options: ClassVar[tuple[str, ...]]
 
-    def __init__(self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm) -> None:
+    def __init__(
+        self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: object = _NO_OPTIONS
+    ) -> None:
         self.numbers = numbers
         self.scenario = scenario
         self.arm = arm

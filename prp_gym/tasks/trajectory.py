@@ -12,7 +12,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Trajectory(ABC):
     """N trajectories of one kind; every attribute is an array with N rows.
 
@@ -56,7 +56,7 @@ class Trajectory(ABC):
             getattr(self, field.name)[ids] = getattr(rows, field.name)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Constant(Trajectory):
     """A position held for ever.
 
@@ -83,7 +83,7 @@ class Constant(Trajectory):
         return self.position
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sine(Trajectory):
     """center + amplitude sin(angular_frequency t + phase), per joint.
 
@@ -117,7 +117,7 @@ class Sine(Trajectory):
         return self.center
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class QuinticWaypoints(Trajectory):
     """Quintic segments that rest (zero velocity and acceleration) at every waypoint.
 
