@@ -163,6 +163,8 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         return observation[0], {"time": 0.0}
 
     def _checked_options(self, options: Mapping[str, Any]) -> dict[str, Array]:
+        if not isinstance(options, Mapping):
+            raise InvalidValueError("reset options", options, "a dictionary")
         checked = {}
         for name, value in options.items():
             if name not in self.task.reset_options:

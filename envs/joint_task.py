@@ -20,7 +20,7 @@ from prp_gym.tasks.trajectory import Constant, Trajectory
 Draw = tuple[Trajectory, Array]
 
 _PATH_POINTS = 120
-_ROUNDING = 1e-12  # [rad] or [m]: a sum that ends on a limit
+_ROUNDING = 1e-6  # [rad] or [m]: a limit written in single precision, or a sum that ends on it
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ import itertools
 import shlex
 import sys
 from collections.abc import Iterable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -34,19 +35,41 @@ app = typer.Typer(
 )
 
 
-def _console(stderr: bool = False) -> Console:
-    """A console on which no cell is cut: a narrower terminal wraps the lines of a table."""
+def _console(stderr: bool = False, least: int = 0) -> Console:
+    """A console of the terminal's width, or of 120 columns without one; a table may need it wider."""
     console = Console(stderr=stderr)
-    if not (stderr and console.is_terminal):
-        console.width = max(console.width, _TABLE_WIDTH)
+    console.width = max(console.width if console.is_terminal else _TABLE_WIDTH, least)
     return console
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"prp-gym {version('prp-gym')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    _: Annotated[
+        bool, typer.Option("--version", help="Show the version.", callback=_show_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Gymnasium environments and classical baselines for the PRP arm."""
+
+
+def _laws_with(gains: str) -> list[str]:
+    """The laws that have a gain set."""
+    laws = [name for name in BASELINES if gains in gain_sets(name)]
+    if not laws:
+        raise UnknownNameError("gain set", gains, {item for name in BASELINES for item in gain_sets(name)})
+    return laws
 
 
 def _check_names(kind: str, names: list[str], valid: list[str]) -> list[str]:
     for name in names:
         if name not in valid:
             raise UnknownNameError(kind, name, valid)
-    return names or valid
+    return list(dict.fromkeys(names)) or valid
 
 
 @app.command("evaluate")
@@ -64,7 +87,7 @@ def evaluate_command(
 ) -> None:
     """Evaluate classical baselines and print a table."""
     ids = _check_names("environment", env or [], list_envs())
-    laws = _check_names("baseline", baseline or [], list(BASELINES))
+    laws = _check_names("baseline", baseline or [], _laws_with(gains))
     scenarios = (
         _check_names("scenario", scenario or [], list(SCENARIOS)) if scenario else ["report", "randomized"]
     )
@@ -73,7 +96,7 @@ def evaluate_command(
     jobs = _jobs(itertools.product(ids, scenarios), laws, gains, control_frequency)
     _check_used(baseline or [], jobs)
     prepare_folder(output)
-    console = _console()
+    console = _console(least=_TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     records: list[dict[str, Any]] = []
     tables: list[Table] = []
     with _progress() as progress:
@@ -92,13 +115,13 @@ def evaluate_command(
                 )
             tables.append(evaluation_table(f"{task.environment_id}, scenario {task.scenario.name}", rows))
             made.close()
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    write_json(target, {**describe_run(command), "evaluations": records})
     for table in tables:
         console.print(table)
     console.print(
         "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
     )
-    command = shlex.join(["prp-gym", *sys.argv[1:]])
-    write_json(target, {**describe_run(command), "evaluations": records})
     console.print(f"results: {target}", highlight=False)
 
 

@@ -242,7 +242,7 @@ def test_joint_limits_are_inclusive_and_name_the_joint(joint: int, unit: str, si
     edge[joint - 1] = (LOW if side < 0 else HIGH)[joint - 1]
     check_joint_limits(PRPArm(), "place", edge)
     beyond = edge.copy()
-    beyond[joint - 1] += side * 1e-9
+    beyond[joint - 1] += side * 1e-5
     for values in (beyond, np.array([edge, beyond])):
         with pytest.raises(JointLimitError, match=f"place: joint {joint} is") as caught:
             check_joint_limits(PRPArm(), "place", values)

@@ -55,7 +55,7 @@ def pair(request: pytest.FixtureRequest) -> Iterator[tuple[Env, Baseline[Any]]]:
 
 @pytest.fixture
 def env() -> Iterator[Env]:
-    made = make("PRP-JointTracking-v0", control_frequency=250, torque_limit=(50.0, 100.0, 10.0))
+    made = make("PRP-JointTracking-v0", control_frequency=1000, torque_limit=(50.0, 100.0, 10.0))
     yield made
     made.close()
 
@@ -98,7 +98,7 @@ def test_interface_holds_what_a_law_may_know(env: Env) -> None:
     assert interface.environment_id == "PRP-JointTracking-v0"
     assert interface.layout == env.get_wrapper_attr("observation_layout")
     np.testing.assert_array_equal(interface.torque_limit, LIMIT)
-    assert interface.period == 1.0 / 250
+    assert interface.period == 1.0 / 1000
     with pytest.raises(FrozenInstanceError):
         interface.period = 1.0  # type: ignore[misc]
 

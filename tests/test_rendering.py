@@ -15,11 +15,12 @@ import mujoco
 
 from prp_gym.errors import InvalidValueError, RenderingError, UnknownNameError
 from prp_gym.physics import CAMERAS, Physics, PhysicsSettings, Surface
+from prp_gym.physics.mjcf import FLOOR_HEIGHT
 from prp_gym.physics.rendering import Arrow, Ball, Mark, OffscreenRenderer, Path, WindowRenderer, check_view
 from prp_gym.robot import PRPArm
 
 WIDTH, HEIGHT = 96, 64
-TOP_HEIGHT = 2.0  # of the top camera above the floor [m]
+TOP_HEIGHT = 2.0  # of the top camera above the arm's foot [m]
 RED, GREEN, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 CENTER = np.array([0.1, 0.0, 0.6])  # under the top camera, above the arm
 Picture = NDArray[Any]
@@ -110,8 +111,8 @@ def test_depth_from_above_is_the_distance_to_floor_and_tip_in_metres(
     assert depth.shape == (HEIGHT, WIDTH)
     assert depth.dtype == np.float32
     # 24 bits between 0.01 and 20 m, nonlinear: a millimetre at 2 m
-    assert float(np.median(depth)) == pytest.approx(TOP_HEIGHT, abs=1e-3)
-    assert float(depth.max()) == pytest.approx(TOP_HEIGHT, abs=1e-3)
+    assert float(np.median(depth)) == pytest.approx(TOP_HEIGHT - FLOOR_HEIGHT, abs=1e-3)
+    assert float(depth.max()) == pytest.approx(TOP_HEIGHT - FLOOR_HEIGHT, abs=1e-3)
     highest = PRPArm().forward_kinematics(q)[2] + 0.02  # the sphere at the tip has this radius
     # a pixel spans 25 mm: the nearest one may miss the sphere's pole by 7 mm of depth
     assert float(depth.min()) == pytest.approx(TOP_HEIGHT - highest, abs=0.01)

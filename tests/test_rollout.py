@@ -18,7 +18,7 @@ from prp_gym.tasks.scenario import SCENARIOS
 
 Env = gymnasium.Env[Any, Any]
 LIMIT = np.array([50.0, 100.0, 10.0])
-STEPS, FREQUENCY = 25, 250
+STEPS, FREQUENCY = 25, 500
 
 
 class Scripted:
@@ -162,7 +162,7 @@ def test_every_law_s_episode_runs_its_whole_length(env: Env, scenario: str) -> N
     made = make(env.spec.id, scenario=scenario, duration=0.4)
     for law in list_baselines(made.get_wrapper_attr("observation_layout")):
         rollout = record_episode(make_baseline(law, made), made, seed=0)
-        assert (len(rollout.reward), rollout.scenario, rollout.diverged) == (100, scenario, False)
+        assert (len(rollout.reward), rollout.scenario, rollout.diverged) == (200, scenario, False)
     made.close()
 
 

@@ -8,7 +8,7 @@ import pytest
 from gymnasium.wrappers import RescaleAction
 
 import prp_gym
-from prp_gym.baselines.registry import load_gains  # type: ignore[attr-defined]
+from prp_gym.baselines.gains import load_gains
 from prp_gym.envs import PRPEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, UnknownNameError
 from prp_gym.evaluation import record_episode
@@ -20,12 +20,14 @@ TRACKING = "PRP-JointTracking-v0"
 class Half:
     """A policy that always asks for the middle of the upper half of the original action range."""
 
-    def predict(self, observation: Any, state: Any = None, **_: Any) -> tuple[Any, Any]:
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Any, Any]:
         return np.full(3, 0.5, dtype=np.float32), state
 
 
 def test_recorded_torques_are_those_of_the_drives_behind_a_wrapper() -> None:
-    env = RescaleAction(gymnasium.make(TRACKING, duration=0.1), -2.0, 2.0)
+    env = RescaleAction(gymnasium.make(TRACKING, duration=0.1), np.float32(-2), np.float32(2))
     rollout = record_episode(Half(), env, seed=0)
     # 0.5 of [-2, 2] is a quarter of the limits
     np.testing.assert_allclose(rollout.torque, np.tile([12.5, 25.0, 2.5], (50, 1)), rtol=1e-6)  # float32
@@ -44,7 +46,7 @@ def test_applied_torques_come_late_and_noisy_in_the_realistic_scenario() -> None
 @pytest.mark.parametrize("law", ["joint_pd", "joint_inverse_dynamics"])
 def test_tuned_gains_are_refused_at_rates_for_which_they_were_not_made(law: str) -> None:
     env = gymnasium.make(TRACKING, control_frequency=50)
-    with pytest.raises(InvalidValueError, match="control_frequency is 50.0 Hz; allowed: at least 500"):
+    with pytest.raises(InvalidValueError, match=r"control_frequency is 50\.0 Hz; allowed: at least 500"):
         prp_gym.make_baseline(law, env)
     assert prp_gym.make_baseline(law, env, "tuned_50hz").interface.period == 0.02
 

@@ -85,7 +85,7 @@ def evaluate(
     count = episodes_to_play(env, episodes)
     rollouts = []
     for index in range(count):
-        rollouts.append(record_episode(policy, env, seed + index))
+        rollouts.append(record_episode(policy, env, int(seed) + index))
         on_episode()
     return Evaluation(rollouts, seed)
 

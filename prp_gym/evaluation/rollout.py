@@ -39,7 +39,7 @@ class Rollout:
         fields: observation fields by name (T + 1, size), the first row from the reset.
         torque: commanded torques within the actuator limits (T, 3) [N m, N, N m].
         applied_torque: torques that acted, late and noisy where the scenario says so (T, 3).
-        reward: (T) [s].
+        reward: (T), the sum of the reward terms in `info`, whatever a wrapper makes of it [s].
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
         compute_time: of the policy (T) [s]; the only part that is not reproducible.
@@ -91,12 +91,12 @@ def record_episode(
         before = time.perf_counter()
         action, state = policy.predict(observation, state, episode_start=start, deterministic=True)
         costs.append(time.perf_counter() - before)
-        observation, reward, terminated, truncated, info = env.step(action)
+        observation, _, terminated, truncated, info = env.step(action)
         start = np.array([False])
         observations.append(observation)
         torques.append(inner.get_wrapper_attr("commanded_torque"))
         applied.append(inner.get_wrapper_attr("applied_torque"))
-        rewards.append(float(reward))
+        rewards.append(sum(value for name, value in info.items() if name.startswith("reward_")))
         infos.append(info)
     return Rollout(
         environment_id=inner.get_wrapper_attr("task").environment_id,

@@ -12,6 +12,9 @@ from prp_gym.robot.parameters import NOMINAL, RobotParameters, Vector3
 TIP_RADIUS = 0.02
 """Radius of the sphere at the tip [m]; planes stand back by it, so that depth is that of its centre."""
 
+FLOOR_HEIGHT = -0.15
+"""Of the drawn floor [m]: below all that the tip can reach. It stops nothing."""
+
 CAMERAS = ("overview", "top")
 JOINTS = ("joint_1", "joint_2", "joint_3")
 
@@ -58,7 +61,7 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
         [
             '<mujoco model="prp">',
             _OPTIONS.format(timestep=world.timestep, gravity=0.0 - parameters.gravity, ratio=ratio),
-            _SCENERY,
+            _SCENERY.replace("@FLOOR@", repr(FLOOR_HEIGHT)),
             _arm(parameters, world),
             _surface_body() if world.surface else "",
             "</worldbody>",
@@ -85,7 +88,7 @@ _OPTIONS = """
 <visual>
   <headlight ambient="0.30 0.30 0.30" diffuse="0.25 0.25 0.25" specular="0.05 0.05 0.05"/>
   <quality shadowsize="1024"/>
-  <map znear="0.01" zfar="20" shadowclip="2"/>
+  <map znear="0.01" zfar="20" shadowclip="2.5"/>
 </visual>"""
 
 _SCENERY = """
@@ -105,7 +108,8 @@ _SCENERY = """
 <worldbody>
 <light name="sun" pos="0.5 -0.6 2.0" dir="-0.2 0.3 -0.9" directional="true"
        diffuse="0.55 0.55 0.55" specular="0.2 0.2 0.2"/>
-<geom name="floor" type="plane" size="1.5 1.5 0.05" material="floor" contype="0" conaffinity="0"/>
+<geom name="floor" type="plane" pos="0 0 @FLOOR@" size="1.5 1.5 0.05" material="floor"
+      contype="0" conaffinity="0"/>
 <camera name="overview" pos="1.15 -1.25 0.95" xyaxes="0.78 0.62 0 -0.33 0.41 0.85" fovy="45"/>
 <camera name="top" pos="0.1 0 2.0" xyaxes="1 0 0 0 1 0" fovy="45"/>"""
 
@@ -147,8 +151,8 @@ def _arm(parameters: RobotParameters, world: PhysicsSettings) -> str:
     limited = world.joint_stops
     return "\n".join(
         [
-            _geom("cylinder", _numbers(0.045, 0.01), "base", 'pos="0 0 0.01"'),
-            _geom("cylinder", "0.025", "base", f'fromto="0 0 0 0 0 {g.base_height - 0.03!r}"'),
+            _geom("cylinder", _numbers(0.045, 0.01), "base", f'pos="0 0 {FLOOR_HEIGHT + 0.01!r}"'),
+            _geom("cylinder", "0.025", "base", f'fromto="0 0 {FLOOR_HEIGHT!r} 0 0 {g.base_height - 0.03!r}"'),
             f'<body name="link_1" pos="0 0 {g.base_height!r}">',
             _inertial(m_1, (g.first_link_center_of_mass, 0.0, 0.0), i_1),
             _joint(parameters, 0, "hinge", "0 0 1", limited),

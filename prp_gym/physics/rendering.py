@@ -3,6 +3,7 @@
 import os
 import sys
 import threading
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -152,6 +153,16 @@ def has_display() -> bool:
     return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
+def _require_window_system() -> None:
+    """Refuse a display that nothing answers at: MuJoCo's viewer would end the process there."""
+    import mujoco.viewer
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        if not mujoco.viewer.glfw.init():
+            raise RenderingError("render_mode 'human': no window system answers at the display that is set.")
+
+
 class WindowRenderer:
     """MuJoCo's interactive viewer in a window of its own.
 
@@ -170,6 +181,7 @@ class WindowRenderer:
         if not has_display():
             raise RenderingError(NO_DISPLAY)
         self._model, self._data = model, data
+        _require_window_system()
         before = set(threading.enumerate())
         try:
             import mujoco.viewer
