@@ -26,6 +26,7 @@ SECONDS_PER_ROUND = 0.4
 ENVIRONMENT = "PRP-JointTracking-v0"
 ACTION_SHARE = 0.2  # of the actuator limits: moves the arm through its range without resting on the stops
 _CHUNK = 200
+_STARTS = 64
 
 
 def random_actions(size: int) -> Array:
@@ -48,11 +49,17 @@ def environment_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], None]:
 
 
 def bare_loop(substeps: int, horizon: int) -> Callable[[], None]:
-    """A chunk of bare `mj_step` calls on the environment's model, reset as often as the environment."""
+    """A chunk of bare `mj_step` calls on the environment's model, under the same torques and limits.
+
+    It starts anew as often as the environment, from positions drawn as the environment draws them.
+    """
     model = mujoco.MjModel.from_xml_string(to_mjcf())
     data = mujoco.MjData(model)
     torques = list(random_actions(3) * NOMINAL.torque_limit)
     control, count = data.ctrl, 0
+    env = gymnasium.make(ENVIRONMENT)
+    starts = [env.reset(seed=seed)[0][:3] for seed in range(_STARTS)]
+    data.qpos[:] = starts[0]
 
     def chunk() -> None:
         nonlocal count
@@ -62,7 +69,7 @@ def bare_loop(substeps: int, horizon: int) -> Callable[[], None]:
             count += 1
             if count % horizon == 0:
                 mujoco.mj_resetData(model, data)
-                data.qpos[1] = -0.15
+                data.qpos[:] = starts[count // horizon % _STARTS]
 
     return chunk
 

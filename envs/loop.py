@@ -102,9 +102,10 @@ class EpisodeLoop:
         self.reward = Reward(task.numbers.reward, 1.0 / config.control_frequency)
         terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self.reward.terms]
         self.info_fields = (*terms, *COMMON_INFO)
+        self._ideal_plant = scenario.ideal_plant
         self._actuators = make_actuators(scenario, num_envs)
         self.commanded_torque = np.zeros((num_envs, 3))
-        self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency)
+        self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency, config.horizon)
         self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
         self._playable = False
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
@@ -139,7 +140,8 @@ class EpisodeLoop:
         starts, plants, seeds = [], [], []
         for rng in rngs:
             starts.append(self.task.draw(rng, options))
-            plants.append(self.task.scenario.draw_plant(rng))
+            if not self._ideal_plant:
+                plants.append(self.task.scenario.draw_plant(rng))
             seeds.append(int(rng.integers(_LARGEST_SEED)))
         self._set_plants(ids, plants)
         self.task.begin(ids, starts)
@@ -162,7 +164,7 @@ class EpisodeLoop:
             raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
 
     def _set_plants(self, ids: NDArray[np.intp], plants: Sequence[PlantDraw]) -> None:
-        if self.task.scenario.ideal_plant:
+        if self._ideal_plant:
             return
         self.physics.set_dynamics(
             ids,
@@ -214,11 +216,11 @@ class EpisodeLoop:
         info[:, terms + 1] = saturated
         info[:, terms + 2] = elapsed / self._frequency
         truncated = elapsed >= self._horizon
-        outside, unstable = np.abs(observation[:, :6]) > self._bound, self.physics.unstable
-        if not (np.count_nonzero(outside) or np.count_nonzero(unstable)):
+        outside = np.abs(observation[:, :6]) > self._bound
+        if not (np.count_nonzero(outside) or self.physics.any_unstable):
             terminated = np.zeros(self.num_envs, dtype=np.bool_)
             return Step(observation, np.add.reduce(contributions, axis=1), terminated, truncated, info)
-        diverged = np.logical_or.reduce(outside, axis=1) | unstable
+        diverged = np.logical_or.reduce(outside, axis=1) | self.physics.unstable
         return self._diverged(observation, diverged, truncated, info, terms)
 
     def _diverged(

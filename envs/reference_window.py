@@ -22,11 +22,12 @@ class ReferenceWindow:
     Args:
         num_envs: N.
         period: of control [s].
+        horizon: periods in an episode, after which looking ahead is idle.
     """
 
-    def __init__(self, num_envs: int, period: float) -> None:
+    def __init__(self, num_envs: int, period: float, horizon: int = _MOST_STEPS) -> None:
         self._period = period
-        self._length = int(np.clip(_MOST_ROWS // num_envs, 1, _MOST_STEPS))
+        self._length = int(np.clip(_MOST_ROWS // num_envs, 1, min(_MOST_STEPS, horizon + 1)))
         self._everyone = np.arange(num_envs)
         self._origin = np.zeros(num_envs)  # whole numbers, as floats: so arithmetic on them is fast
         self._tick = 0

@@ -84,8 +84,6 @@ class Physics:
         self._offset = np.tile(_MEASUREMENT_OFFSET, (count, 1))
         self._force_sensors = self._sensors[:, after_stops : after_stops + 3]
         self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # how often
-        self._all_stable = np.zeros(count, dtype=np.bool_)
-        self._all_stable.flags.writeable = False
         nothing = np.zeros((count, 3))
         nothing.flags.writeable = False
         if not self.settings.joint_stops:
@@ -139,10 +137,13 @@ class Physics:
 
         MuJoCo then puts the simulation back to its home position, at rest and without torques.
         """
-        if not np.count_nonzero(self._warnings):
-            return self._all_stable
         flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != 0, axis=1)
         return flags
+
+    @property
+    def any_unstable(self) -> bool:
+        """Whether any simulation is `unstable`; faster than asking for each."""
+        return bool(np.count_nonzero(self._warnings))
 
     @property
     def stop_violation(self) -> Array:

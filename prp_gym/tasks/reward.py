@@ -73,5 +73,7 @@ class Reward:
             (..., terms) [s]; their sum is the reward.
         """
         scaled = errors * self._per_scale
-        contributions: Array = self._worth / (1.0 + np.sqrt(np.vecdot(scaled, scaled)))
+        denominator: Array = np.sqrt(np.vecdot(scaled, scaled))
+        denominator += 1.0
+        contributions: Array = np.divide(self._worth, denominator, out=denominator)
         return contributions

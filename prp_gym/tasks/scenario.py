@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,10 @@ class Range:
     low: tuple[float, ...]
     high: tuple[float, ...]
 
+    @cached_property
+    def _corners(self) -> tuple[Array, Array]:
+        return np.array(self.low), np.array(self.high)
+
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> "Range":
         """A range as it stands in a data file."""
@@ -32,7 +37,7 @@ class Range:
 
     def draw(self, rng: np.random.Generator) -> Array:
         """One vector."""
-        return rng.uniform(self.low, self.high)
+        return rng.uniform(*self._corners)
 
 
 @dataclass(frozen=True, eq=False)
