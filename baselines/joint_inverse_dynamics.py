@@ -4,14 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from prp_gym.baselines.policy import Baseline, ControlInterface, Settings
-from prp_gym.robot.arm import PRPArm
+from prp_gym.baselines.policy import ModelBaseline, ModelSettings
 from prp_gym.robot.arrays import Array, apply
-from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
 @dataclass(frozen=True, eq=False)
-class JointInverseDynamicsSettings(Settings):
+class JointInverseDynamicsSettings(ModelSettings):
     """Numbers of `JointInverseDynamics`.
 
     Attributes:
@@ -22,15 +20,14 @@ class JointInverseDynamicsSettings(Settings):
 
     proportional_gain: Any
     derivative_gain: Any
-    model: RobotParameters = NOMINAL
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self._make_vector("proportional_gain", "1/s²")
         self._make_vector("derivative_gain", "1/s")
-        self._check_model(self.model)
 
 
-class JointInverseDynamics(Baseline[JointInverseDynamicsSettings]):
+class JointInverseDynamics(ModelBaseline[JointInverseDynamicsSettings]):
     """τ = B(q) y + n(q, q̇), y = q̈_d + K_D (q̇_d - q̇) + K_P (q_d - q), n = C q̇ + F_v q̇ + F_s sign(q̇) + g.
 
     With the exact model every joint obeys q̃¨ + K_D q̃˙ + K_P q̃ = 0 on its own: natural frequency √K_P,
@@ -53,10 +50,6 @@ class JointInverseDynamics(Baseline[JointInverseDynamicsSettings]):
     )
     settings_class = JointInverseDynamicsSettings
 
-    def __init__(self, interface: ControlInterface, settings: JointInverseDynamicsSettings) -> None:
-        super().__init__(interface, settings)
-        self._arm = PRPArm(settings.model)
-
     def torque(self, observed: Mapping[str, Array]) -> Array:
         """See the class."""
         q, velocity = observed["joint_position"], observed["joint_velocity"]
@@ -66,4 +59,4 @@ class JointInverseDynamics(Baseline[JointInverseDynamicsSettings]):
             + K_D * (observed["desired_joint_velocity"] - velocity)
             + K_P * (observed["desired_joint_position"] - q)
         )
-        return apply(self._arm.inertia_matrix(q), acceleration) + self._arm.bias_force(q, velocity)
+        return apply(self.arm.inertia_matrix(q), acceleration) + self.arm.bias_force(q, velocity)

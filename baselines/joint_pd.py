@@ -6,17 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.baselines.policy import Baseline, ControlInterface, Settings
+from prp_gym.baselines.policy import ModelBaseline, ModelSettings
 from prp_gym.errors import UnknownNameError
-from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 GRAVITY_MODES = ("current", "desired", "none")
 
 
 @dataclass(frozen=True, eq=False)
-class JointPDSettings(Settings):
+class JointPDSettings(ModelSettings):
     """Numbers of `JointPD`.
 
     Attributes:
@@ -29,17 +27,16 @@ class JointPDSettings(Settings):
     proportional_gain: Any
     derivative_gain: Any
     gravity: str = "current"
-    model: RobotParameters = NOMINAL
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         self._make_vector("proportional_gain", "N·m/rad, N/m, N·m/rad")
         self._make_vector("derivative_gain", "N·m·s/rad, N·s/m, N·m·s/rad")
-        self._check_model(self.model)
         if self.gravity not in GRAVITY_MODES:
             raise UnknownNameError("gravity mode", self.gravity, GRAVITY_MODES)
 
 
-class JointPD(Baseline[JointPDSettings]):
+class JointPD(ModelBaseline[JointPDSettings]):
     """τ = g + K_P q̃ + K_D (q̇_d - q̇), with q̃ = q_d - q.
 
     g is g(q), g(q_d) or left out. In continuous time, without torque limits, and for a constant reference:
@@ -63,10 +60,6 @@ class JointPD(Baseline[JointPDSettings]):
     )
     settings_class = JointPDSettings
 
-    def __init__(self, interface: ControlInterface, settings: JointPDSettings) -> None:
-        super().__init__(interface, settings)
-        self._arm = PRPArm(settings.model)
-
     def torque(self, observed: Mapping[str, Array]) -> Array:
         """See the class."""
         position_error = observed["desired_joint_position"] - observed["joint_position"]
@@ -77,7 +70,7 @@ class JointPD(Baseline[JointPDSettings]):
 
     def _gravity(self, observed: Mapping[str, Array]) -> Array:
         if self.settings.gravity == "current":
-            return self._arm.gravity_vector(observed["joint_position"])
+            return self.arm.gravity_vector(observed["joint_position"])
         if self.settings.gravity == "desired":
-            return self._arm.gravity_vector(observed["desired_joint_position"])
+            return self.arm.gravity_vector(observed["desired_joint_position"])
         return np.zeros(observed["joint_position"].shape)

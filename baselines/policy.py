@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
+from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.robot.parameters import RobotParameters
+from prp_gym.robot.parameters import NOMINAL, RobotParameters
 from prp_gym.tasks.fields import ObservationLayout
 
 PolicyState = tuple[NDArray[Any], ...] | None
@@ -84,14 +85,24 @@ class Settings:
         vector.flags.writeable = False
         object.__setattr__(self, name, vector)
 
-    @staticmethod
-    def _check_model(model: object) -> None:
-        """Refuse a model of the arm that is none."""
-        if not isinstance(model, RobotParameters):
-            raise InvalidValueError("model", model, "a RobotParameters")
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModelSettings(Settings):
+    """Numbers of a law that computes with a model of the arm.
+
+    Attributes:
+        model: of the arm; it may differ from the plant.
+    """
+
+    model: RobotParameters = NOMINAL
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.model, RobotParameters):
+            raise InvalidValueError("model", self.model, "a RobotParameters")
 
 
 SettingsT = TypeVar("SettingsT", bound=Settings)
+ModelSettingsT = TypeVar("ModelSettingsT", bound=ModelSettings)
 
 
 class Baseline(ABC, Generic[SettingsT]):
@@ -161,3 +172,16 @@ class Baseline(ABC, Generic[SettingsT]):
         torque = self.torque(self.interface.layout.split(observation))
         action = np.clip(torque / self.interface.torque_limit, -1.0, 1.0)
         return action.astype(np.float32), state
+
+
+class ModelBaseline(Baseline[ModelSettingsT]):
+    """A control law that computes with a model of the arm, `self.arm`.
+
+    Args:
+        interface: what the law may know of the environment.
+        settings: the law's numbers, the model among them.
+    """
+
+    def __init__(self, interface: ControlInterface, settings: ModelSettingsT) -> None:
+        super().__init__(interface, settings)
+        self.arm = PRPArm(settings.model)

@@ -8,6 +8,7 @@ that do chatter, seen as torques at their limits for more than 5 % of the time, 
 """
 
 import itertools
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -30,6 +31,7 @@ LAWS = ("joint_pd", "joint_inverse_dynamics")
 _STABLE_UP_TO = 2.0  # 2ζω dt, the double integrator's bound under zero-order hold
 
 
+@cache
 def mean_inertia() -> Array:
     """Diagonal of B, averaged over the joint range (3) [kg m^2, kg, kg m^2]."""
     arm = prp_gym.PRPArm()

@@ -76,7 +76,6 @@ class EnvConfig:
         self._check_numbers()
         check_view(self.width, self.height, self.camera)
         self._check_times()
-        self.limits()
         self._make_plain()
 
     def _check_numbers(self) -> None:
@@ -113,8 +112,9 @@ class EnvConfig:
 
     def _make_plain(self) -> None:
         """Python numbers throughout, so that equal keywords make equal values."""
+        limits = self.limits()
         if self.torque_limit is not None and not isinstance(self.torque_limit, str):
-            object.__setattr__(self, "torque_limit", self.limits())
+            object.__setattr__(self, "torque_limit", limits)
         for name in ("control_frequency", "duration"):
             object.__setattr__(self, name, float(getattr(self, name)))
 

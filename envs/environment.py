@@ -192,16 +192,13 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
             NonFiniteError: NaN or infinity in the action.
             EpisodeError: before the first `reset`, or after a divergence.
         """
-        try:
-            values = np.asarray(action, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InvalidValueError("action", action, "an array of numbers") from None
+        values = _as_numbers("action", action)
         if values.shape != (3,):
             raise ShapeError("action", values.shape, "(3,)")
         step = self._loop.step(values[None])
         if self.render_mode == "human":
             self.render()
-        info = dict(zip(self._info_names, step.info[0].tolist(), strict=False))
+        info = dict(zip(self._info_names, step.info[0].tolist(), strict=True))
         return (
             step.observation[0],
             float(step.reward[0]),

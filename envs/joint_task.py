@@ -43,10 +43,10 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
     low, high = np.array(arm.parameters.joint_lower), np.array(arm.parameters.joint_upper)
     outside = (joint_position < low - _ROUNDING) | (joint_position > high + _ROUNDING)
     if outside.any():
-        *_, joint = np.argwhere(outside)[0]
-        value = float(joint_position[tuple(np.argwhere(outside)[0])])
+        place = tuple(np.argwhere(outside)[0].tolist())
+        joint = place[-1]
         limits = (float(low[joint]), float(high[joint]))
-        raise JointLimitError(what, int(joint) + 1, value, limits, JOINT_UNITS[joint])
+        raise JointLimitError(what, joint + 1, float(joint_position[place]), limits, JOINT_UNITS[joint])
 
 
 class JointTask(Task[JointStart]):

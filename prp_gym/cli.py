@@ -25,6 +25,9 @@ from prp_gym.tasks.scenario import SCENARIOS
 
 _USAGE_ERROR = 2
 _TABLE_WIDTH = 120
+_DEFAULT_SCENARIOS = ("report", "randomized")
+
+Jobs = list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]
 
 app = typer.Typer(
     name="prp-gym",
@@ -88,15 +91,26 @@ def evaluate_command(
     """Evaluate classical baselines and print a table."""
     ids = _check_names("environment", env or [], list_envs())
     laws = _check_names("baseline", baseline or [], _laws_with(gains))
-    scenarios = (
-        _check_names("scenario", scenario or [], list(SCENARIOS)) if scenario else ["report", "randomized"]
-    )
+    scenarios = _check_names("scenario", scenario or list(_DEFAULT_SCENARIOS), list(SCENARIOS))
     check_protocol(episodes, seed)
-    target = output / "results.json"
     jobs = _jobs(itertools.product(ids, scenarios), laws, gains, control_frequency)
     _check_used(baseline or [], jobs)
     prepare_folder(output)
+    records, tables = _play(jobs, episodes, seed, gains)
+    target = output / "results.json"
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    write_json(target, {**describe_run(command), "evaluations": records})
     console = _console(least=_TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+    for table in tables:
+        console.print(table)
+    console.print(
+        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
+    )
+    console.print(f"results: {target}", highlight=False)
+
+
+def _play(jobs: Jobs, episodes: int, seed: int, gains: str) -> tuple[list[dict[str, Any]], list[Table]]:
+    """Evaluate every job under a progress bar: what goes into the results, and a table a place."""
     records: list[dict[str, Any]] = []
     tables: list[Table] = []
     with _progress() as progress:
@@ -115,19 +129,10 @@ def evaluate_command(
                 )
             tables.append(evaluation_table(f"{task.environment_id}, scenario {task.scenario.name}", rows))
             made.close()
-    command = shlex.join(["prp-gym", *sys.argv[1:]])
-    write_json(target, {**describe_run(command), "evaluations": records})
-    for table in tables:
-        console.print(table)
-    console.print(
-        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
-    )
-    console.print(f"results: {target}", highlight=False)
+    return records, tables
 
 
-def _jobs(
-    places: Iterable[tuple[str, str]], laws: list[str], gains: str, control_frequency: float
-) -> list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]:
+def _jobs(places: Iterable[tuple[str, str]], laws: list[str], gains: str, control_frequency: float) -> Jobs:
     """Environments with the laws that can run on them, all made before anything is played."""
     jobs = []
     for environment_id, scenario in places:
@@ -139,7 +144,7 @@ def _jobs(
     return jobs
 
 
-def _check_used(laws: list[str], jobs: list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]) -> None:
+def _check_used(laws: list[str], jobs: Jobs) -> None:
     """Refuse a law that was asked for by name and runs on none of the environments."""
     used = {policy.name for _, policies in jobs for policy in policies}
     for law in laws:

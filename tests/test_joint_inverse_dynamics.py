@@ -7,19 +7,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import ControlInterface, JointInverseDynamics, JointInverseDynamicsSettings
+from prp_gym.baselines import JointInverseDynamics, JointInverseDynamicsSettings
 from prp_gym.robot import NOMINAL, RobotParameters
-from prp_gym.tasks.fields import JOINT_REFERENCE_FIELDS, MEASURED_FIELDS, ObservationLayout
+from tests.control_interface import INTERFACE
 from tests.pinocchio_model import PinocchioArm, per_row, random_arm, random_states
 
 Array = NDArray[np.float64]
 
-INTERFACE = ControlInterface(
-    "PRP-JointTracking-v0",
-    ObservationLayout((*MEASURED_FIELDS, *JOINT_REFERENCE_FIELDS)),
-    np.array([50.0, 100.0, 10.0]),
-    0.002,
-)
 K_P, K_D = np.array([50.0, 500.0, 100.0]), np.array([10.0, 35.0, 15.0])
 ROUNDING = 1e-11  # torques up to 1e4, a few dozen operations of 1e-16 each
 MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(9)}

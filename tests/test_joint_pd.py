@@ -7,21 +7,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import ControlInterface, JointPD, JointPDSettings
+from prp_gym.baselines import JointPD, JointPDSettings
 from prp_gym.baselines.joint_pd import GRAVITY_MODES
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot import NOMINAL, RobotParameters
-from prp_gym.tasks.fields import JOINT_REFERENCE_FIELDS, MEASURED_FIELDS, ObservationLayout
+from tests.control_interface import INTERFACE
 from tests.pinocchio_model import PinocchioArm, per_row, random_arm, random_states
 
 Array = NDArray[np.float64]
 
-INTERFACE = ControlInterface(
-    "PRP-JointTracking-v0",
-    ObservationLayout((*MEASURED_FIELDS, *JOINT_REFERENCE_FIELDS)),
-    np.array([50.0, 100.0, 10.0]),
-    0.002,
-)
 K_P, K_D = np.array([50.0, 500.0, 40.0]), np.array([15.0, 150.0, 5.0])
 ROUNDING = 1e-12  # torques up to 1e3, a dozen operations of 1e-16 each
 # where each mode takes gravity at, from (actual, desired) positions

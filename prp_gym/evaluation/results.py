@@ -91,10 +91,10 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
     Raises:
         OutputError: the folder cannot be made or written to.
     """
-    prepare_folder(path.parent)
     text = json.dumps(to_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         part.write_text(text, encoding="utf-8")
         os.replace(part, path)
     except OSError as error:
