@@ -47,7 +47,6 @@ class NoOptions:
     """The keywords of a task that has none of its own."""
 
 
-_NO_OPTIONS = NoOptions()
 StartT = TypeVar("StartT", bound=EpisodeStart)
 
 
@@ -70,12 +69,11 @@ class Task(ABC, Generic[StartT]):
     reference_fields: ClassVar[tuple[Field, ...]]
     reset_options: ClassVar[tuple[str, ...]]
 
-    def __init__(
-        self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: object = _NO_OPTIONS
-    ) -> None:
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: object) -> None:
         self.numbers = numbers
         self.scenario = scenario
         self.arm = arm
+        self.options = options
         self.layout = ObservationLayout((*MEASURED_FIELDS, *self.reference_fields))
 
     @abstractmethod
