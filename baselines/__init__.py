@@ -2,8 +2,9 @@
 
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics, JointInverseDynamicsSettings
 from prp_gym.baselines.joint_pd import JointPD, JointPDSettings
-from prp_gym.baselines.policy import Baseline, ControlInterface, ModelBaseline, ModelSettings, Settings
+from prp_gym.baselines.policy import Baseline, ControlInterface, StaticBaseline
 from prp_gym.baselines.registry import BASELINES, list_baselines, make_baseline
+from prp_gym.baselines.settings import Settings, Vector
 
 __all__ = [
     "BASELINES",
@@ -13,9 +14,9 @@ __all__ = [
     "JointInverseDynamicsSettings",
     "JointPD",
     "JointPDSettings",
-    "ModelBaseline",
-    "ModelSettings",
     "Settings",
+    "StaticBaseline",
+    "Vector",
     "list_baselines",
     "make_baseline",
 ]

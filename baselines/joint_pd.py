@@ -1,42 +1,39 @@
 """Joint-space PD control with gravity compensation."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.policy import ModelBaseline, ModelSettings
-from prp_gym.errors import UnknownNameError
+from prp_gym.baselines.policy import Observed, StaticBaseline
+from prp_gym.baselines.settings import Settings, Vector
 from prp_gym.robot.arrays import Array
 
 GRAVITY_MODES = ("current", "desired", "none")
 
 
 @dataclass(frozen=True, eq=False)
-class JointPDSettings(ModelSettings):
+class JointPDSettings(Settings):
     """Numbers of `JointPD`.
 
     Attributes:
-        proportional_gain: K_P (3), diagonal [N m/rad, N/m, N m/rad].
-        derivative_gain: K_D (3), diagonal [N m s/rad, N s/m, N m s/rad].
+        proportional_gain: K_P (joints), diagonal [N m/rad, N/m, N m/rad].
+        derivative_gain: K_D (joints), diagonal [N m s/rad, N s/m, N m s/rad].
         gravity: `current` compensates g(q), `desired` g(q_d), `none` nothing.
-        model: of the arm, for gravity.
     """
 
     proportional_gain: Any
     derivative_gain: Any
     gravity: str = "current"
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        self._make_vector("proportional_gain", "N·m/rad, N/m, N·m/rad")
-        self._make_vector("derivative_gain", "N·m·s/rad, N·s/m, N·m·s/rad")
-        if self.gravity not in GRAVITY_MODES:
-            raise UnknownNameError("gravity mode", self.gravity, GRAVITY_MODES)
+    vectors: ClassVar = {
+        "proportional_gain": Vector("joint", "N·m/rad, N/m, N·m/rad"),
+        "derivative_gain": Vector("joint", "N·m·s/rad, N·s/m, N·m·s/rad"),
+    }
+    choices: ClassVar = {"gravity": GRAVITY_MODES}
 
 
-class JointPD(ModelBaseline[JointPDSettings]):
+class JointPD(StaticBaseline[JointPDSettings]):
     """τ = g + K_P q̃ + K_D (q̇_d - q̇), with q̃ = q_d - q.
 
     g is g(q), g(q_d) or left out. In continuous time, without torque limits, and for a constant reference:
@@ -52,25 +49,21 @@ class JointPD(ModelBaseline[JointPDSettings]):
 
     name = "joint_pd"
     summary = "joint-space PD with gravity compensation"
-    required_fields = (
-        "joint_position",
-        "joint_velocity",
-        "desired_joint_position",
-        "desired_joint_velocity",
-    )
+    measured_fields = ("joint_position", "joint_velocity")
     settings_class = JointPDSettings
 
-    def torque(self, observed: Mapping[str, Array]) -> Array:
+    def torque(self, observed: Observed) -> Array:
         """See the class."""
-        position_error = observed["desired_joint_position"] - observed["joint_position"]
-        velocity_error = observed["desired_joint_velocity"] - observed["joint_velocity"]
+        desired = self.references.joint(observed)
+        q = observed["joint_position"]
+        position_error, velocity_error = desired.position - q, desired.velocity - observed["joint_velocity"]
         K_P, K_D = self.settings.proportional_gain, self.settings.derivative_gain
-        torque: Array = self._gravity(observed) + K_P * position_error + K_D * velocity_error
+        torque: Array = self._gravity(q, desired.position) + K_P * position_error + K_D * velocity_error
         return torque
 
-    def _gravity(self, observed: Mapping[str, Array]) -> Array:
+    def _gravity(self, q: Array, desired: Array) -> Array:
         if self.settings.gravity == "current":
-            return self.arm.gravity_vector(observed["joint_position"])
+            return self.model.gravity_vector(q)
         if self.settings.gravity == "desired":
-            return self.arm.gravity_vector(observed["desired_joint_position"])
-        return np.zeros(observed["joint_position"].shape)
+            return self.model.gravity_vector(desired)
+        return np.zeros(q.shape)

@@ -2,19 +2,24 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
+from prp_gym.baselines.references import REFERENCE_FIELDS, JointReferences, PoseReferences, References
+from prp_gym.baselines.settings import Settings
+from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.robot.parameters import NOMINAL, RobotParameters
+from prp_gym.robot.link import Link, LinkParameters
 from prp_gym.tasks.fields import ObservationLayout
 
+Model = PRPArm | Link
+LawState = tuple[Array, ...]
 PolicyState = tuple[NDArray[Any], ...] | None
+Observed = Mapping[str, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,14 +29,16 @@ class ControlInterface:
     Attributes:
         environment_id: its id.
         layout: of the observation.
-        torque_limit: joint torques at action 1 (3) [N m, N, N m].
+        torque_limit: joint torques at action 1 (joints) [N m, N, N m].
         period: of control [s].
+        model: the nominal robot, whatever the plant really is.
     """
 
     environment_id: str
     layout: ObservationLayout
     torque_limit: Array
     period: float
+    model: Model
 
     @classmethod
     def of(cls, env: Any) -> Self:
@@ -47,66 +54,35 @@ class ControlInterface:
                 layout=inner.observation_layout,
                 torque_limit=np.asarray(inner.torque_limit),
                 period=1.0 / inner.control_frequency,
+                model=inner.task.model,
             )
         except AttributeError:
             raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
 
-
-@dataclass(frozen=True, eq=False)
-class Settings:
-    """A law's numbers; subclasses declare them. Vectors (3) may be given as one number for all joints.
-
-    Two settings are equal only if they are the same object.
-    """
-
-    @classmethod
-    def from_mapping(cls, law: str, values: Mapping[str, Any]) -> Self:
-        """Settings by name.
+    def model_with(self, parameters: Any) -> Model:
+        """The same robot with other parameters, or the nominal one for None.
 
         Raises:
-            UnknownNameError: a name that the law does not have.
-            InvalidValueError: a value that is not allowed.
+            InvalidValueError: parameters of another robot.
         """
-        names = [entry.name for entry in fields(cls)]
-        for name in values:
-            if name not in names:
-                raise UnknownNameError(f"setting of law {law!r}", name, names)
-        return cls(**values)
-
-    def _make_vector(self, name: str, unit: str) -> None:
-        """Turn a setting into a vector (3) of finite numbers, none negative."""
-        given = getattr(self, name)
-        try:
-            vector = np.broadcast_to(np.asarray(given, dtype=np.float64), 3).copy()
-        except (TypeError, ValueError):
-            raise InvalidValueError(name, given, "one number or three", unit) from None
-        if not (np.isfinite(vector).all() and (vector >= 0.0).all()):
-            raise InvalidValueError(name, given, "finite and at least 0", unit)
-        vector.flags.writeable = False
-        object.__setattr__(self, name, vector)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ModelSettings(Settings):
-    """Numbers of a law that computes with a model of the arm.
-
-    Attributes:
-        model: of the arm; it may differ from the plant.
-    """
-
-    model: RobotParameters = NOMINAL
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.model, RobotParameters):
-            raise InvalidValueError("model", self.model, "a RobotParameters")
+        if parameters is None:
+            return self.model
+        if isinstance(parameters, LinkParameters) != isinstance(self.model, Link):
+            expected = type(self.model.parameters).__name__
+            raise InvalidValueError(
+                f"model of {self.environment_id}", type(parameters).__name__, f"a {expected}"
+            )
+        return type(self.model)(parameters)
 
 
 SettingsT = TypeVar("SettingsT", bound=Settings)
-ModelSettingsT = TypeVar("ModelSettingsT", bound=ModelSettings)
 
 
 class Baseline(ABC, Generic[SettingsT]):
     """A control law on one environment, or on many of them at once.
+
+    What a law remembers (integrals, estimates) is its state, a tuple of arrays with the leading dimensions of
+    the observations; it lives with the caller, as a recurrent policy's does.
 
     Args:
         interface: what the law may know of the environment.
@@ -115,34 +91,66 @@ class Baseline(ABC, Generic[SettingsT]):
     Attributes:
         name: of the law.
         summary: one line for listings.
-        required_fields: of the observation that the law reads.
+        measured_fields: of the observation that the law reads beside the reference.
         settings_class: of its numbers.
+        integrators: which arrays of the state stand still while an actuator is at its limit.
+        settings: the law's numbers, every vector at its full length.
+        model: the robot with which the law computes.
+        references: what is desired, in joint or operational space.
 
     Raises:
         MissingFieldError: the environment does not observe what the law reads.
+        ShapeError: a setting of another length.
+        InvalidValueError: a model of another robot.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
-    required_fields: ClassVar[tuple[str, ...]]
+    measured_fields: ClassVar[tuple[str, ...]]
     settings_class: ClassVar[type[Settings]]
+    integrators: ClassVar[tuple[int, ...]] = ()
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
-        missing = [name for name in self.required_fields if name not in interface.layout.names]
+        missing = self.missing_fields(interface.layout)
         if missing:
             raise MissingFieldError(self.name, missing, interface.layout.names)
         self.interface = interface
-        self.settings = settings
+        self.model = interface.model_with(settings.model)
+        parameters = len(self.model.parameter_vector())
+        sizes = {"joint": self.model.joint_count, "pose": 6, "parameter": parameters}
+        self.settings = settings.sized(sizes)
+        self.references = _references(interface.layout, self.model)
+
+    @classmethod
+    def missing_fields(cls, layout: ObservationLayout) -> list[str]:
+        """What the law reads and a layout does not have."""
+        missing = [name for name in cls.measured_fields if name not in layout.names]
+        if not any(set(fields) <= set(layout.names) for fields in REFERENCE_FIELDS):
+            missing.append(" or ".join(fields[0] for fields in REFERENCE_FIELDS))
+        return missing
+
+    def initial_state(self, observed: Observed) -> LawState:
+        """The state at the start of an episode.
+
+        Args:
+            observed: fields by name, each (..., size).
+
+        Returns:
+            arrays (..., any size); none where the law remembers nothing.
+        """
+        return ()
 
     @abstractmethod
-    def torque(self, observed: Mapping[str, Array]) -> Array:
+    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
         """The law.
 
         Args:
             observed: fields by name, each (..., size), in the units of their declaration.
+            state: of `initial_state` or of the last call.
 
         Returns:
-            (..., 3) joint torques, unlimited [N m, N, N m].
+            (..., joints) joint torques, unlimited [N m, N, N m], and the state a period later if they
+            are applied as they are.
         """
 
     def predict(
@@ -157,31 +165,80 @@ class Baseline(ABC, Generic[SettingsT]):
         Args:
             observation: (size) or (N, size).
             state: what the last call returned; None at first.
-            episode_start: (N) whether an episode starts with this observation.
+            episode_start: (N) whether an episode starts with this observation; there the state starts anew.
             deterministic: of no effect: the laws are deterministic.
 
         Returns:
-            action (3) or (N, 3), within [-1, 1], and the state for the next call.
+            action (joints) or (N, joints), within [-1, 1], and the state for the next call, None where the
+            law remembers nothing.
 
         Raises:
-            ShapeError: an observation of another size, for instance behind a wrapper that changes it.
+            ShapeError: an observation of another size, for instance behind a wrapper that changes it;
+                a state or `episode_start` of another number of environments.
             InvalidValueError: an observation that is a dictionary.
         """
         if isinstance(observation, dict):
             raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
-        torque = self.torque(self.interface.layout.split(observation))
-        action = np.clip(torque / self.interface.torque_limit, -1.0, 1.0)
-        return action.astype(np.float32), state
+        observed = self.interface.layout.split(observation)
+        before = self._begin(observed, state, episode_start)
+        torque, after = self.control(observed, before)
+        demand = torque / self.interface.torque_limit
+        action = np.clip(demand, -1.0, 1.0)
+        if after and self.integrators:
+            after = self._hold(before, after, np.logical_or.reduce(action != demand, axis=-1))
+        return action.astype(np.float32), after or None
+
+    def _begin(self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None) -> LawState:
+        """The state to go on with: the last one, and a new one where an episode starts."""
+        lead = observed["joint_position"].shape[:-1]
+        if not state:
+            return self.initial_state(observed)
+        for part in state:
+            if part.shape[: len(lead)] != lead:
+                raise ShapeError("state", part.shape, f"{lead} and the law's own")
+        if episode_start is None or not np.any(episode_start):
+            return state
+        fresh = self.initial_state(observed)
+        starts = np.asarray(episode_start, dtype=np.bool_)
+        if starts.size == 1:
+            starts = starts.reshape((1,) * len(lead))
+        elif starts.shape != lead:
+            raise ShapeError("episode_start", starts.shape, f"{lead}")
+        return tuple(
+            np.where(starts.reshape(starts.shape + (1,) * (new.ndim - starts.ndim)), new, old)
+            for new, old in zip(fresh, state, strict=True)
+        )
+
+    def _hold(self, before: LawState, after: LawState, limited: NDArray[np.bool_]) -> LawState:
+        """Integrators stand still where an actuator is at its limit (anti-windup)."""
+        if not np.count_nonzero(limited):
+            return after
+        return tuple(
+            np.where(limited[..., None], old, new) if index in self.integrators else new
+            for index, (old, new) in enumerate(zip(before, after, strict=True))
+        )
 
 
-class ModelBaseline(Baseline[ModelSettingsT]):
-    """A control law that computes with a model of the arm, `self.arm`.
+class StaticBaseline(Baseline[SettingsT]):
+    """A law that remembers nothing."""
 
-    Args:
-        interface: what the law may know of the environment.
-        settings: the law's numbers, the model among them.
-    """
+    @abstractmethod
+    def torque(self, observed: Observed) -> Array:
+        """The law.
 
-    def __init__(self, interface: ControlInterface, settings: ModelSettingsT) -> None:
-        super().__init__(interface, settings)
-        self.arm = PRPArm(settings.model)
+        Args:
+            observed: fields by name, each (..., size), in the units of their declaration.
+
+        Returns:
+            (..., joints) joint torques, unlimited [N m, N, N m].
+        """
+
+    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+        """See `Baseline.control`."""
+        return self.torque(observed), state
+
+
+def _references(layout: ObservationLayout, model: Model) -> References:
+    if REFERENCE_FIELDS[0][0] in layout.names or isinstance(model, Link):
+        return JointReferences()
+    return PoseReferences(model)

@@ -20,7 +20,7 @@ def list_baselines(layout: ObservationLayout | None = None) -> list[str]:
     """
     if layout is None:
         return list(BASELINES)
-    return [name for name, law in BASELINES.items() if set(law.required_fields) <= set(layout.names)]
+    return [name for name, law in BASELINES.items() if not law.missing_fields(layout)]
 
 
 def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -> Baseline[Any]:

@@ -39,3 +39,21 @@ def apply(matrix: Array, vector: Array) -> Array:
 def apply_transposed(matrix: Array, vector: Array) -> Array:
     """Transposed matrix times vector: (..., m, n), (..., m) -> (..., n)."""
     return apply(np.swapaxes(matrix, -1, -2), vector)
+
+
+def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> Array:
+    """Damped pseudoinverse times vector, (AᵀA + λ²I)⁻¹Aᵀb: (..., m, n), (..., m) -> (..., n).
+
+    Args:
+        matrix: A (..., m, n), m >= n; of full column rank where there is no damping.
+        vector: b (..., m).
+        damping: λ, in the units of A's singular values.
+
+    Source: [S] 3.5.
+    """
+    transposed = np.swapaxes(matrix, -1, -2)
+    normal = np.matmul(transposed, matrix)
+    if damping > 0.0:
+        normal = normal + damping**2 * np.eye(matrix.shape[-1])
+    solution: Array = np.linalg.solve(normal, np.matmul(transposed, vector[..., None]))[..., 0]
+    return solution

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from prp_gym.robot.arrays import Array, apply, apply_transposed, as_vectors, matrix_like
-from prp_gym.robot.inverse_kinematics import InverseKinematics
+from prp_gym.robot.motion import MotionConversion
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
@@ -52,7 +52,7 @@ class BaseParameters:
         )
 
 
-class Dynamics(InverseKinematics):
+class Dynamics(MotionConversion):
     """The closed-form rigid-body model of the arm.
 
     Source: [S] 7.1-7.3; [R] 2-3, with its inertia, Coriolis and gravity errors corrected.

@@ -17,6 +17,7 @@ SPEED_BOUND = (500.0, 100.0, 500.0)
 _REACH_BOUND = 5.0  # [m]: 2 m of slide beyond the arm's own lengths, rounded up
 _TIP_SPEED_BOUND = 3000.0  # [m/s]: the speed bounds at that reach, rounded up
 _JOINT_ACCELERATION_BOUND = (1e5, 1e4, 1e5)
+_TIP_ACCELERATION_BOUND = 1e6
 
 
 @dataclass(frozen=True)
@@ -134,6 +135,9 @@ _JOINT_ACCELERATIONS = ("rad/s²", "m/s²", "rad/s²")
 _POSE_UNITS = ("m", "m", "m", "rad", "rad", "rad")
 _POSE_RATES = ("m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s")
 
+_LARGEST_FORCE = 1e6  # [N]: a stiffness of 20 kN/m at the reach's bound, rounded up
+_POSE_BOUND = (_REACH_BOUND,) * 3 + (POSITION_BOUND[0], POSITION_BOUND[2] + 2.0, np.pi)
+
 MEASURED_FIELDS = (
     Field.symmetric("joint_position", _JOINT_UNITS, "joint", POSITION_BOUND, "joint positions q"),
     Field.symmetric("joint_velocity", _JOINT_RATES, "joint", SPEED_BOUND, "joint velocities q̇"),
@@ -141,7 +145,7 @@ MEASURED_FIELDS = (
         "end_effector_pose",
         _POSE_UNITS,
         "world",
-        (_REACH_BOUND,) * 3 + (POSITION_BOUND[0], POSITION_BOUND[2] + 2.0, np.pi),
+        _POSE_BOUND,
         "tip position and ZXZ Euler angles α, β, γ (γ is always π/2)",
     ),
     Field.symmetric(
@@ -152,7 +156,12 @@ MEASURED_FIELDS = (
         "time derivative of the pose, J_A q̇ (γ̇ is always 0)",
     ),
 )
-"""What every environment observes, in the order of `Physics.measurement`."""
+"""What every environment of the arm observes, in the order of `Physics.measurement`."""
+
+CONTACT_FORCE = Field.symmetric(
+    "contact_force", ("N",) * 3, "world", (_LARGEST_FORCE,) * 3, "force h_e by the tip on the surface"
+)
+"""What is measured beside `MEASURED_FIELDS` where there is a surface; next in `Physics.measurement`."""
 
 JOINT_REFERENCE_FIELDS = (
     Field.symmetric("desired_joint_position", _JOINT_UNITS, "joint", POSITION_BOUND, "q_d"),
@@ -162,3 +171,47 @@ JOINT_REFERENCE_FIELDS = (
     ),
 )
 """The reference of joint-space tasks."""
+
+POSE_REFERENCE_FIELDS = (
+    Field.symmetric("desired_pose", _POSE_UNITS, "world", _POSE_BOUND, "x_d: tip position and α, β, γ"),
+    Field.symmetric(
+        "desired_velocity",
+        _POSE_RATES,
+        "world",
+        (_TIP_SPEED_BOUND,) * 3 + (SPEED_BOUND[0], SPEED_BOUND[2], 1.0),
+        "ẋ_d",
+    ),
+    Field.symmetric(
+        "desired_acceleration",
+        ("m/s²",) * 3 + ("rad/s²",) * 3,
+        "world",
+        (_TIP_ACCELERATION_BOUND,) * 3 + (_JOINT_ACCELERATION_BOUND[0], _JOINT_ACCELERATION_BOUND[2], 1.0),
+        "ẍ_d",
+    ),
+)
+"""The reference of operational-space tasks."""
+
+DESIRED_FORCE = Field.symmetric(
+    "desired_force", ("N",) * 3, "world", (_LARGEST_FORCE,) * 3, "f_d, by the tip on the surface"
+)
+"""What force tasks ask for."""
+
+MODEL_POSE = Field.symmetric(
+    "model_pose", _POSE_UNITS, "world", (np.inf,) * 6, "where the target model, driven by the force, would be"
+)
+"""Against what compliance, impedance and admittance tasks judge; recorded, not observed."""
+
+LINK_FIELDS = (
+    Field.symmetric("joint_position", ("rad",), "joint", POSITION_BOUND[:1], "joint position q"),
+    Field.symmetric("joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "joint velocity q̇"),
+)
+"""What the environment of the single link observes, in the order of `LinkPhysics.measurement`."""
+
+LINK_REFERENCE_FIELDS = (
+    Field.symmetric("desired_joint_position", ("rad",), "joint", POSITION_BOUND[:1], "q_d"),
+    Field.symmetric("desired_joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "q̇_d"),
+    Field.symmetric(
+        "desired_joint_acceleration", ("rad/s²",), "joint", _JOINT_ACCELERATION_BOUND[:1], "q̈_d"
+    ),
+)
+"""The reference of the single link."""

@@ -1,0 +1,89 @@
+"""What the operational-space laws share: the arm's model, and the measured motion of the end effector."""
+
+from typing import Any, NamedTuple, TypeVar
+
+from prp_gym.baselines.policy import Baseline, ControlInterface, Observed
+from prp_gym.baselines.references import PoseReference
+from prp_gym.baselines.settings import Settings
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array, apply, apply_transposed, solve_least_squares
+
+SettingsT = TypeVar("SettingsT", bound=Settings)
+
+
+class ArmState(NamedTuple):
+    """The measured motion of the arm, with its Jacobian.
+
+    Attributes:
+        joint_position: q (..., 3) [rad, m, rad].
+        joint_velocity: q̇ (..., 3) per second.
+        pose: x (..., 6) [m, m, m, rad, rad, rad].
+        velocity: ẋ = J_A q̇ (..., 6) per second.
+        jacobian: J_A(q) (..., 6, 3).
+    """
+
+    joint_position: Array
+    joint_velocity: Array
+    pose: Array
+    velocity: Array
+    jacobian: Array
+
+
+class OperationalBaseline(Baseline[SettingsT]):
+    """A law that controls the pose of the end effector with a model of the arm.
+
+    Args:
+        interface: what the law may know of the environment.
+        settings: the law's numbers.
+
+    Attributes:
+        arm: the model with which the law computes.
+    """
+
+    def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
+        super().__init__(interface, settings)
+        if not isinstance(self.model, PRPArm):
+            raise InvalidValueError("model", self.model, "the arm: a link has no pose")
+        self.arm = self.model
+
+    def desired(self, observed: Observed) -> PoseReference:
+        """The reference as a motion of the end effector."""
+        return self.references.pose(observed, self.arm)
+
+    def measured(self, observed: Observed) -> ArmState:
+        """The measured motion of the arm."""
+        q = observed["joint_position"]
+        return ArmState(
+            q,
+            observed["joint_velocity"],
+            observed["end_effector_pose"],
+            observed["end_effector_velocity"],
+            self.arm.analytical_jacobian(q),
+        )
+
+    def resolved_torque(self, state: ArmState, acceleration: Array, damping: float = 0.0) -> Array:
+        """τ = B y + n with y = J_A⁺(a - J̇_A q̇): the torque for an acceleration a of the end effector.
+
+        J_A has full column rank everywhere (its smallest singular value over the workspace is above 0.7),
+        so that the pseudoinverse needs no damping; q_3 = ±π/2 and L = 0, where the tip's position alone
+        is singular, are passed without effect.
+
+        Args:
+            state: of the arm.
+            acceleration: a (..., 6) per second squared.
+            damping: λ of the pseudoinverse, in the units of J_A's singular values.
+
+        Returns:
+            (..., 3) [N m, N, N m].
+
+        Source: [S] 3.5, 8.6.2.
+        """
+        q, velocity = state.joint_position, state.joint_velocity
+        drift = apply(self.arm.analytical_jacobian_derivative(q, velocity), velocity)
+        joint_acceleration = solve_least_squares(state.jacobian, acceleration - drift, damping)
+        return apply(self.arm.inertia_matrix(q), joint_acceleration) + self.arm.bias_force(q, velocity)
+
+    def contact_torque(self, state: ArmState, force: Any) -> Array:
+        """Jᵀh_e: the torque that holds a force (..., 3) [N] by the tip on the surface."""
+        return apply_transposed(state.jacobian[..., :3, :], force)

@@ -1,0 +1,90 @@
+"""Motions of the joints as motions of the end effector, and back."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from prp_gym.robot.arrays import Array, apply, as_vectors, solve_least_squares
+from prp_gym.robot.inverse_kinematics import InverseKinematics
+
+
+class MotionConversion(InverseKinematics):
+    """Position, velocity and acceleration in one space from those in the other.
+
+    The pose's angles α and β are those of joints 1 and 3, so that a motion of the pose names its branch.
+    """
+
+    def pose_motion(
+        self, joint_position: ArrayLike, joint_velocity: ArrayLike, joint_acceleration: ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """x = k(q), ẋ = J_A q̇, ẍ = J_A q̈ + J̇_A q̇.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+            joint_velocity: (..., 3) [rad/s, m/s, rad/s].
+            joint_acceleration: (..., 3) [rad/s², m/s², rad/s²].
+
+        Returns:
+            pose (..., 6) [m, m, m, rad, rad, rad], its rate and its second derivative (..., 6).
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [S] 3.6, 3.8.
+        """
+        q = as_vectors(joint_position, "joint_position")
+        velocity = as_vectors(joint_velocity, "joint_velocity")
+        J_A = self.analytical_jacobian(q)
+        drift = apply(self.analytical_jacobian_derivative(q, velocity), velocity)
+        acceleration = apply(J_A, as_vectors(joint_acceleration, "joint_acceleration")) + drift
+        return self.forward_kinematics(q), apply(J_A, velocity), acceleration
+
+    def joint_position_of_pose(self, pose: ArrayLike) -> Array:
+        """The joint position of a pose, joint limits ignored.
+
+        Joints 1 and 3 follow from the angles α and β, on their branch and turn; the slide from the tip
+        position along its own direction. For a pose that the arm cannot attain the angles are kept and the
+        tip is as near as the slide can bring it.
+
+        Args:
+            pose: (..., 6) [m, m, m, rad, rad, rad].
+
+        Returns:
+            (..., 3) [rad, m, rad].
+
+        Raises:
+            ShapeError: not six components.
+
+        Source: [R] 1.3, for the tip frame.
+        """
+        x = as_vectors(pose, "pose", 6)
+        geometry = self.parameters.geometry
+        joints = np.empty((*x.shape[:-1], 3))
+        q_1, q_3 = x[..., 3], np.pi / 2 - x[..., 4]
+        reach = x[..., 0] * np.sin(q_1) - x[..., 1] * np.cos(q_1)
+        joints[..., 0], joints[..., 2] = q_1, q_3
+        joints[..., 1] = reach - geometry.slide_offset - geometry.third_link_length * np.cos(q_3)
+        return joints
+
+    def joint_motion(
+        self, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """q of `joint_position_of_pose`, q̇ = J_A⁺ẋ, q̈ = J_A⁺(ẍ - J̇_A q̇), with J_A at q.
+
+        Args:
+            pose: (..., 6) [m, m, m, rad, rad, rad].
+            velocity: (..., 6) per second.
+            acceleration: (..., 6) per second squared.
+
+        Returns:
+            joint position, velocity and acceleration (..., 3) [rad, m, rad] and per second.
+
+        Raises:
+            ShapeError: not six components.
+
+        Source: [S] 3.7.
+        """
+        q = self.joint_position_of_pose(pose)
+        J_A = self.analytical_jacobian(q)
+        joint_velocity = solve_least_squares(J_A, as_vectors(velocity, "velocity", 6))
+        drift = apply(self.analytical_jacobian_derivative(q, joint_velocity), joint_velocity)
+        return q, joint_velocity, solve_least_squares(J_A, as_vectors(acceleration, "acceleration", 6) - drift)
