@@ -1,0 +1,120 @@
+"""Second-order models of a pose: M z̈ + K_D ż + K_P z = h, integrated exactly over control periods."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array, as_vectors
+
+_SQUARINGS = 12
+_TAYLOR_TERMS = 16
+
+
+class Displacement(NamedTuple):
+    """How far a model has given way.
+
+    Attributes:
+        value: z (..., 6) [m, m, m, rad, rad, rad].
+        rate: ż (..., 6) per second.
+    """
+
+    value: Array
+    rate: Array
+
+    @classmethod
+    def zero(cls, shape: tuple[int, ...]) -> "Displacement":
+        """At rest, for leading dimensions `shape`."""
+        return cls(np.zeros((*shape, 6)), np.zeros((*shape, 6)))
+
+
+@dataclass(frozen=True, eq=False)
+class TargetModel:
+    """Six independent axes with inertia, damping and stiffness.
+
+    Attributes:
+        inertia: M (6), above 0 [kg, kg, kg, kg m^2, kg m^2, kg m^2].
+        damping: K_D (6), at least 0 [N s/m, ..., N m s/rad, ...].
+        stiffness: K_P (6), at least 0 [N/m, ..., N m/rad, ...].
+        period: between two calls of `advance` [s].
+
+    Raises:
+        ShapeError: not six components.
+        InvalidValueError: an inertia or a period that is not positive.
+
+    Source: [S] 9.3.1; [R] 12, 13.
+    """
+
+    inertia: Array
+    damping: Array
+    stiffness: Array
+    period: float
+
+    def __post_init__(self) -> None:
+        for name in ("inertia", "damping", "stiffness"):
+            object.__setattr__(self, name, as_vectors(getattr(self, name), f"target {name}", 6))
+        if not (self.inertia > 0.0).all():
+            raise InvalidValueError("target inertia", self.inertia.tolist(), "above 0", "kg, kg·m²")
+        if not self.period > 0.0:
+            raise InvalidValueError("period", self.period, "above 0", "s")
+        transition, of_begin, of_end = self._discretise()
+        object.__setattr__(self, "_transition", transition)
+        object.__setattr__(self, "_of_begin", of_begin)
+        object.__setattr__(self, "_of_end", of_end)
+
+    def acceleration(self, displacement: Displacement, force: ArrayLike) -> Array:
+        """z̈ (..., 6) under a force h (..., 6) [N, N, N, N m, N m, N m]."""
+        resistance = self.damping * displacement.rate + self.stiffness * displacement.value
+        acceleration: Array = (as_vectors(force, "force", 6) - resistance) / self.inertia
+        return acceleration
+
+    def static_displacement(self, force: ArrayLike) -> Array:
+        """z = K_P⁻¹ h (..., 6) where the model has come to rest; 0 on axes without stiffness.
+
+        Args:
+            force: h (..., 6) [N, N, N, N m, N m, N m].
+        """
+        h = as_vectors(force, "force", 6)
+        displacement: Array = np.divide(h, self.stiffness, out=np.zeros(h.shape), where=self.stiffness > 0.0)
+        return displacement
+
+    def advance(self, displacement: Displacement, begin: Array, end: Array) -> Displacement:
+        """One period on, the force running linearly from its value at the begin to that at the end.
+
+        Args:
+            displacement: at the begin of the period.
+            begin: force then (..., 6) [N, N, N, N m, N m, N m].
+            end: force at the end of the period (..., 6); the same as `begin` for a force that is held.
+        """
+        state = np.stack(displacement, axis=-1)[..., None]  # (..., 6, 2, 1)
+        after: Array = np.matmul(vars(self)["_transition"], state)[..., 0]
+        after = after + vars(self)["_of_begin"] * begin[..., None] + vars(self)["_of_end"] * end[..., None]
+        return Displacement(after[..., 0], after[..., 1])
+
+    def _discretise(self) -> tuple[Array, Array, Array]:
+        """State transition (6, 2, 2), and the influence of the force at begin and end (6, 2).
+
+        By the exponential of the system extended by a force f and its slope s: ḟ = s, ṡ = 0.
+        """
+        extended = np.zeros((6, 4, 4))
+        extended[:, 0, 1] = extended[:, 2, 3] = 1.0
+        extended[:, 1, 0] = -self.stiffness / self.inertia
+        extended[:, 1, 1] = -self.damping / self.inertia
+        extended[:, 1, 2] = 1.0 / self.inertia
+        exponential = _exponential(extended * self.period)
+        of_slope = exponential[:, :2, 3] / self.period
+        return exponential[:, :2, :2], exponential[:, :2, 2] - of_slope, of_slope
+
+
+def _exponential(matrix: Array) -> Array:
+    """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series."""
+    small = matrix / 2.0**_SQUARINGS
+    term = total = np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
+    for order in range(1, _TAYLOR_TERMS):
+        term = np.matmul(term, small) / order
+        total = total + term
+    for _ in range(_SQUARINGS):
+        total = np.matmul(total, total)
+    return np.array(total)
