@@ -1,6 +1,7 @@
-"""The arm: parameters, kinematics, dynamics, and its description for other tools."""
+"""The arm and the one-joint link: parameters, kinematics, dynamics, and descriptions for other tools."""
 
 from prp_gym.robot.arm import OperationalSpaceDynamics, PRPArm
+from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
 from prp_gym.robot.parameters import (
     JOINT_UNITS,
     NOMINAL,
@@ -14,9 +15,12 @@ from prp_gym.robot.urdf import to_urdf
 __all__ = [
     "JOINT_UNITS",
     "NOMINAL",
+    "NOMINAL_LINK",
     "REPORT",
     "TORQUE_UNITS",
     "ArmGeometry",
+    "Link",
+    "LinkParameters",
     "OperationalSpaceDynamics",
     "PRPArm",
     "RobotParameters",

@@ -5,6 +5,7 @@ environment. Symbols: u = d̄_2 + q_2; c_i the distances to the centres of mass.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,8 +56,13 @@ class BaseParameters:
 class Dynamics(MotionConversion):
     """The closed-form rigid-body model of the arm.
 
+    Attributes:
+        joint_count: 3.
+
     Source: [S] 7.1-7.3; [R] 2-3, with its inertia, Coriolis and gravity errors corrected.
     """
+
+    joint_count: ClassVar[int] = 3
 
     def __init__(self, parameters: RobotParameters = NOMINAL) -> None:
         super().__init__(parameters)

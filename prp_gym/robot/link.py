@@ -1,0 +1,246 @@
+"""The link: one joint under gravity whose three parameters an adaptive law estimates.
+
+I q̈ + F q̇ + G sin q = τ, with q = 0 where the link hangs down.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array, as_vectors, matrix_like
+
+
+@dataclass(frozen=True)
+class LinkParameters:
+    """The numbers of the link; the defaults are the report's.
+
+    Attributes:
+        inertia: I about the joint's axis [kg m^2].
+        viscous_friction: F [N m s/rad].
+        gravity_moment: G, the largest moment of the weight about the joint's axis [N m].
+        torque_limit: actuator limit (1) [N m].
+
+    Raises:
+        InvalidValueError: an inertia or torque limit that is not positive, negative friction or gravity
+            moment, a value that is not finite.
+
+    Source: [R] 8.1; the torque limit is ours.
+    """
+
+    inertia: float = 0.5
+    viscous_friction: float = 0.15
+    gravity_moment: float = 1.85
+    torque_limit: tuple[float] = (30.0,)
+
+    def __post_init__(self) -> None:
+        if len(self.torque_limit) != 1:
+            raise InvalidValueError("torque_limit", self.torque_limit, "one number", "N·m")
+        _require_positive("inertia", self.inertia, "kg·m²")
+        _require_positive("torque_limit", self.torque_limit[0], "N·m")
+        for name, unit in (("viscous_friction", "N·m·s/rad"), ("gravity_moment", "N·m")):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InvalidValueError(name, value, "at least 0 and finite", unit)
+        for name in ("inertia", "viscous_friction", "gravity_moment"):
+            object.__setattr__(self, name, float(getattr(self, name)))
+        object.__setattr__(self, "torque_limit", (float(self.torque_limit[0]),))
+
+
+def _require_positive(name: str, value: float, unit: str) -> None:
+    if not (math.isfinite(value) and value > 0.0):
+        raise InvalidValueError(name, value, "above 0 and finite", unit)
+
+
+NOMINAL_LINK = LinkParameters()
+
+
+@dataclass(frozen=True)
+class Link:
+    """The closed-form model of the link; its methods are those of `PRPArm`, for one joint.
+
+    Every method broadcasts over leading dimensions of its arguments and never changes them.
+
+    Attributes:
+        parameters: the link; the report's by default.
+        joint_count: 1.
+
+    Source: [R] 8.1.
+    """
+
+    parameters: LinkParameters = NOMINAL_LINK
+    joint_count: ClassVar[int] = 1
+
+    def inertia_matrix(self, joint_position: ArrayLike) -> Array:
+        """B = I, whatever the position.
+
+        Args:
+            joint_position: (..., 1) [rad].
+
+        Returns:
+            (..., 1, 1) [kg m^2].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        B = matrix_like(as_vectors(joint_position, "joint_position", 1), 1, 1)
+        B[...] = self.parameters.inertia
+        return B
+
+    def coriolis_matrix(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
+        """C = 0: a single joint has no Coriolis or centrifugal moment.
+
+        Args:
+            joint_position: (..., 1) [rad].
+            joint_velocity: (..., 1) [rad/s].
+
+        Returns:
+            (..., 1, 1) [kg m^2/s].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        return matrix_like(self._state(joint_position, joint_velocity)[0], 1, 1)
+
+    def gravity_vector(self, joint_position: ArrayLike) -> Array:
+        """g(q) = G sin q.
+
+        Args:
+            joint_position: (..., 1) [rad].
+
+        Returns:
+            (..., 1) [N m].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        gravity: Array = self.parameters.gravity_moment * np.sin(
+            as_vectors(joint_position, "joint_position", 1)
+        )
+        return gravity
+
+    def friction_force(self, joint_velocity: ArrayLike) -> Array:
+        """F q̇.
+
+        Args:
+            joint_velocity: (..., 1) [rad/s].
+
+        Returns:
+            (..., 1) [N m].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        return self.parameters.viscous_friction * as_vectors(joint_velocity, "joint_velocity", 1)
+
+    def bias_force(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
+        """n(q, q̇) = F q̇ + G sin q.
+
+        Args:
+            joint_position: (..., 1) [rad].
+            joint_velocity: (..., 1) [rad/s].
+
+        Returns:
+            (..., 1) [N m].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        return self.friction_force(joint_velocity) + self.gravity_vector(joint_position)
+
+    def forward_dynamics(
+        self, joint_position: ArrayLike, joint_velocity: ArrayLike, torque: ArrayLike
+    ) -> Array:
+        """Joint acceleration that a torque causes.
+
+        Args:
+            joint_position: (..., 1) [rad].
+            joint_velocity: (..., 1) [rad/s].
+            torque: (..., 1) [N m].
+
+        Returns:
+            (..., 1) [rad/s^2].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        surplus = as_vectors(torque, "torque", 1) - self.bias_force(joint_position, joint_velocity)
+        return surplus / self.parameters.inertia
+
+    def kinetic_energy(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
+        """T = ½ I q̇².
+
+        Args:
+            joint_position: (..., 1) [rad].
+            joint_velocity: (..., 1) [rad/s].
+
+        Returns:
+            (...) [J].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        _, velocity = self._state(joint_position, joint_velocity)
+        energy: Array = 0.5 * self.parameters.inertia * velocity[..., 0] ** 2
+        return energy
+
+    def potential_energy(self, joint_position: ArrayLike) -> Array:
+        """U = G (1 - cos q), zero where the link hangs down.
+
+        Args:
+            joint_position: (..., 1) [rad].
+
+        Returns:
+            (...) [J].
+
+        Raises:
+            ShapeError: not one component.
+        """
+        q = as_vectors(joint_position, "joint_position", 1)
+        energy: Array = self.parameters.gravity_moment * (1.0 - np.cos(q[..., 0]))
+        return energy
+
+    def regressor(
+        self,
+        joint_position: ArrayLike,
+        joint_velocity: ArrayLike,
+        reference_velocity: ArrayLike,
+        reference_acceleration: ArrayLike,
+    ) -> Array:
+        """Y with I q̈_r + F q̇_r + G sin q = Y Θ.
+
+        Args:
+            joint_position: (..., 1) [rad].
+            joint_velocity: (..., 1) [rad/s]; nothing depends on it.
+            reference_velocity: q̇_r (..., 1) [rad/s].
+            reference_acceleration: q̈_r (..., 1) [rad/s^2].
+
+        Returns:
+            (..., 1, 3): columns q̈_r, q̇_r, sin q, as in `parameter_vector`.
+
+        Raises:
+            ShapeError: not one component.
+
+        Source: [S] 8.5.4; [R] 8.1, which puts the measured acceleration and velocity in their places.
+        """
+        q, _, velocity, acceleration = np.broadcast_arrays(
+            as_vectors(joint_position, "joint_position", 1),
+            as_vectors(joint_velocity, "joint_velocity", 1),
+            as_vectors(reference_velocity, "reference_velocity", 1),
+            as_vectors(reference_acceleration, "reference_acceleration", 1),
+        )
+        return np.stack([acceleration, velocity, np.sin(q)], axis=-1)
+
+    def parameter_vector(self) -> Array:
+        """Θ = (I, F, G) (3) [kg m^2, N m s/rad, N m]."""
+        own = self.parameters
+        return np.array([own.inertia, own.viscous_friction, own.gravity_moment])
+
+    def _state(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> tuple[Array, Array]:
+        q, velocity = np.broadcast_arrays(
+            as_vectors(joint_position, "joint_position", 1), as_vectors(joint_velocity, "joint_velocity", 1)
+        )
+        return q, velocity
