@@ -13,7 +13,7 @@ _BLOCK = 256  # steps of noise drawn at once for an environment; part of what a 
 
 
 class Actuators(ABC):
-    """The drives of N arms."""
+    """The drives of N robots."""
 
     @abstractmethod
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
@@ -21,7 +21,7 @@ class Actuators(ABC):
 
     @abstractmethod
     def apply(self, command: Array) -> Array:
-        """The torques (N, 3) that act while these are commanded [N m, N, N m]."""
+        """The torques (N, joints) that act while these are commanded [N m, N, N m]."""
 
 
 class IdealActuators(Actuators):
@@ -42,13 +42,15 @@ class RealisticActuators(Actuators):
 
     Args:
         scenario: delay and noise.
+        nominal_limit: of the drives (joints) [N m, N, N m].
         num_envs: N.
     """
 
-    def __init__(self, scenario: Scenario, num_envs: int) -> None:
-        self._deviation = np.array(scenario.torque_noise)
-        self._pipeline = np.zeros((scenario.delay_steps + 1, num_envs, 3))
-        self._noise = np.zeros((_BLOCK, num_envs, 3))
+    def __init__(self, scenario: Scenario, nominal_limit: Array, num_envs: int) -> None:
+        self._deviation = scenario.torque_noise * nominal_limit
+        joints = len(nominal_limit)
+        self._pipeline = np.zeros((scenario.delay_steps + 1, num_envs, joints))
+        self._noise = np.zeros((_BLOCK, num_envs, joints))
         self._steps = np.zeros(num_envs, dtype=np.intp)
         self._rngs = [np.random.default_rng(0) for _ in range(num_envs)]
         self._rows = np.arange(num_envs)
@@ -64,7 +66,7 @@ class RealisticActuators(Actuators):
         """The command of `delay_steps` periods ago, with noise."""
         phase = self._steps % _BLOCK
         for index in np.flatnonzero(phase == 0):
-            self._noise[:, index] = self._rngs[index].standard_normal((_BLOCK, 3))
+            self._noise[:, index] = self._rngs[index].standard_normal((_BLOCK, len(self._deviation)))
         self._steps += 1
         self._pipeline[1:] = self._pipeline[:-1].copy()
         self._pipeline[0] = command
@@ -72,8 +74,8 @@ class RealisticActuators(Actuators):
         return late
 
 
-def make_actuators(scenario: Scenario, num_envs: int) -> Actuators:
-    """The drives that a scenario asks for."""
-    if scenario.delay_steps == 0 and not any(scenario.torque_noise):
+def make_actuators(scenario: Scenario, nominal_limit: Array, num_envs: int) -> Actuators:
+    """The drives that a scenario asks for; `nominal_limit` (joints) [N m, N, N m]."""
+    if scenario.delay_steps == 0 and scenario.torque_noise == 0.0:
         return IdealActuators()
-    return RealisticActuators(scenario, num_envs)
+    return RealisticActuators(scenario, nominal_limit, num_envs)

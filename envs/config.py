@@ -10,7 +10,8 @@ import numpy as np
 from prp_gym.envs.data import load_scenario
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.physics.rendering import check_view
-from prp_gym.robot.parameters import NOMINAL, TORQUE_UNITS, Vector3
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import TORQUE_UNITS
 from prp_gym.tasks.scenario import Scenario
 
 SUBSTEPS_PER_SECOND = 1000
@@ -23,9 +24,9 @@ UNLIMITED_TORQUE = 1e6
 OptionsT = TypeVar("OptionsT")
 
 
-_TORQUE_LIMITS = "'scenario', None, a number or three numbers"
+_TORQUE_LIMITS = "'scenario', None, a number or one number a joint"
 
-TorqueLimit = float | tuple[float, float, float] | str | None
+TorqueLimit = float | tuple[float, ...] | str | None
 
 
 def describe(unit: str, description: str) -> dict[str, str]:
@@ -57,7 +58,7 @@ class EnvConfig:
         default="scenario",
         metadata=describe(
             "N·m, N, N·m",
-            "actuator limits: `scenario` takes the scenario's, a number or three set them, None lifts them",
+            "actuator limits: `scenario` takes the scenario's, a number or one a joint sets them, None lifts them",
         ),
     )
     render_mode: str | None = field(
@@ -112,33 +113,47 @@ class EnvConfig:
 
     def _make_plain(self) -> None:
         """Python numbers throughout, so that equal keywords make equal values."""
-        limits = self.limits()
-        if self.torque_limit is not None and not isinstance(self.torque_limit, str):
-            object.__setattr__(self, "torque_limit", limits)
+        object.__setattr__(self, "torque_limit", _plain_limit(self.torque_limit))
         for name in ("control_frequency", "duration"):
             object.__setattr__(self, name, float(getattr(self, name)))
 
-    def limits(self) -> Vector3:
-        """Actuator limits (3) [N m, N, N m]."""
-        limit = self.torque_limit
-        if isinstance(limit, str):
-            if limit != "scenario":
-                raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS)
-            factor = self.load_scenario().torque_limit_factor
-            return _vector([factor * nominal for nominal in NOMINAL.torque_limit])
+    def limits(self, nominal: tuple[float, ...]) -> Array:
+        """Actuator limits (joints) [N m, N, N m].
+
+        Args:
+            nominal: the robot's own (joints).
+
+        Raises:
+            InvalidValueError: not one number, nor as many as the robot has joints.
+        """
+        if self.torque_limit == "scenario":
+            return self.load_scenario().torque_limit_factor * np.array(nominal)
+        limit = UNLIMITED_TORQUE if self.torque_limit is None else self.torque_limit
         try:
-            values = np.broadcast_to(np.asarray(UNLIMITED_TORQUE if limit is None else limit, dtype=float), 3)
-        except (TypeError, ValueError):
-            raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS) from None
-        if not ((values > 0.0) & (values <= UNLIMITED_TORQUE)).all():
-            allowed = f"above 0 and at most {UNLIMITED_TORQUE:g}, or None"
-            raise InvalidValueError("torque_limit", limit, allowed, ", ".join(TORQUE_UNITS))
-        return _vector(values.tolist())
+            return np.broadcast_to(np.asarray(limit, dtype=float), len(nominal)).copy()
+        except ValueError:
+            allowed = f"one number or {len(nominal)}"
+            raise InvalidValueError("torque_limit", limit, allowed, ", ".join(TORQUE_UNITS)) from None
 
 
-def _vector(values: list[float]) -> Vector3:
-    first, second, third = values
-    return first, second, third
+def _plain_limit(limit: TorqueLimit) -> TorqueLimit:
+    """A torque limit in Python's own numbers.
+
+    Raises:
+        InvalidValueError: neither `scenario` nor None nor numbers above 0.
+    """
+    if limit is None or (isinstance(limit, str) and limit == "scenario"):
+        return limit
+    try:
+        values = np.asarray(limit, dtype=float)
+    except (TypeError, ValueError):
+        raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS) from None
+    if values.ndim > 1 or values.size == 0 or isinstance(limit, str):
+        raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS)
+    if not ((values > 0.0) & (values <= UNLIMITED_TORQUE)).all():
+        allowed = f"above 0 and at most {UNLIMITED_TORQUE:g}, or None"
+        raise InvalidValueError("torque_limit", limit, allowed, ", ".join(TORQUE_UNITS))
+    return float(values) if values.ndim == 0 else tuple(values.tolist())
 
 
 def _is_whole(value: float) -> bool:

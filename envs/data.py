@@ -29,12 +29,12 @@ def load_scenario(name: str) -> Scenario:
 
 
 def load_task_numbers(environment_id: str) -> TaskNumbers:
-    """The reward terms and draw ranges of a task."""
+    """The reward terms, draw ranges and constants of a task."""
     table = _table("tasks.toml")[environment_id]
     reward = tuple(RewardTerm.from_table(name, row) for name, row in table["reward"].items())
     ranges = {
         kind: {name: Range.from_table(row) for name, row in rows.items()}
         for kind, rows in table.items()
-        if kind != "reward"
+        if kind not in ("reward", "constants")
     }
-    return TaskNumbers(reward, ranges)
+    return TaskNumbers(reward, ranges, table.get("constants", {}))

@@ -28,10 +28,10 @@ from prp_gym.physics.rendering import (
     WindowRenderer,
     has_display,
 )
-from prp_gym.physics.simulation import Physics
+from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.robot.parameters import NOMINAL
+from prp_gym.robot.link import Link
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.task import NoOptions, Task
 
@@ -50,9 +50,9 @@ class EnvState(NamedTuple):
 
 
 class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
-    """One arm and one task.
+    """One robot and one task.
 
-    Actions are torques over their limits, Box(-1, 1, (3,), float32); observations a flat float64 vector
+    Actions are torques over their limits, Box(-1, 1, (joints,), float32); observations a flat float64 vector
     that `observation_layout` splits into named fields. Subclasses name their task.
 
     Args:
@@ -78,13 +78,13 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         self._info_names = tuple(field.name for field in self._loop.info_fields)
         self._renderer: OffscreenRenderer | WindowRenderer | None = None
         self.observation_space = self._loop.task.layout.space()
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (3,), np.float32)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (self._loop.joints,), np.float32)
 
     @classmethod
     def make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
         """The task; the same for single and vectorised environments."""
         numbers = load_task_numbers(cls.task_class.environment_id)
-        return cls.task_class(numbers, config.load_scenario(), PRPArm(NOMINAL), options)
+        return cls.task_class(numbers, config.load_scenario(), options, 1.0 / config.control_frequency)
 
     @property
     def observation_layout(self) -> ObservationLayout:
@@ -92,7 +92,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         return self._loop.task.layout
 
     @property
-    def physics(self) -> Physics:
+    def physics(self) -> Simulation:
         """The simulated world, with one simulation."""
         return self._loop.physics
 
@@ -102,23 +102,28 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         return self._loop.task
 
     @property
-    def arm(self) -> PRPArm:
-        """The nominal arm: the model that policies may know, whatever the plant really is."""
-        return self._loop.task.arm
+    def arm(self) -> PRPArm | Link:
+        """The nominal robot: the model that policies may know, whatever the plant really is."""
+        return self._loop.task.model
+
+    @property
+    def truth(self) -> Array:
+        """What is true now (size), laid out as `task.truth_layout`; policies see the observation instead."""
+        return np.array(self._loop.truth[0])
 
     @property
     def torque_limit(self) -> Array:
-        """Joint torques at action 1 (3) [N m, N, N m]."""
+        """Joint torques at action 1 (joints) [N m, N, N m]."""
         return self._loop.torque_limit.copy()
 
     @property
     def commanded_torque(self) -> Array:
-        """Joint torques that the last action asked for, within the limits (3) [N m, N, N m]."""
+        """Joint torques that the last action asked for, within the limits (joints) [N m, N, N m]."""
         return np.array(self._loop.commanded_torque[0])
 
     @property
     def applied_torque(self) -> Array:
-        """Joint torques that acted in the last step, late and noisy where the scenario says so (3)."""
+        """Joint torques that acted in the last step, late and noisy where the scenario says so (joints)."""
         return np.array(self.physics.torque[0])
 
     @property
@@ -143,8 +148,8 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
 
         Args:
             seed: of the environment's generator; the same seed gives the same bits.
-            options: values that replace what is drawn, by the names in `task.reset_options`: vectors
-                (3) [rad, m, rad] and per second.
+            options: values that replace what is drawn, by the names in `task.reset_options`, which
+                declares their shapes and units.
 
         Returns:
             the observation (size) and an `info` with the time [s].
@@ -170,8 +175,9 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
             if name not in self.task.reset_options:
                 raise UnknownNameError("reset option", name, self.task.reset_options)
             vector = _as_numbers(f"reset option {name!r}", value)
-            if vector.shape != (3,):
-                raise ShapeError(f"reset option {name!r}", vector.shape, "(3,)")
+            shape = self.task.reset_options[name].shape
+            if vector.shape != shape:
+                raise ShapeError(f"reset option {name!r}", vector.shape, f"{shape}")
             if not np.isfinite(vector).all():
                 raise NonFiniteError(f"reset option {name!r}", vector.tolist())
             checked[name] = vector
@@ -193,8 +199,8 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
             EpisodeError: before the first `reset`, or after a divergence.
         """
         values = _as_numbers("action", action)
-        if values.shape != (3,):
-            raise ShapeError("action", values.shape, "(3,)")
+        if values.shape != self.action_space.shape:
+            raise ShapeError("action", values.shape, f"{self.action_space.shape}")
         step = self._loop.step(values[None])
         if self.render_mode == "human":
             self.render()

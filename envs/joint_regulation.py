@@ -3,7 +3,8 @@
 import numpy as np
 
 from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.joint_task import Draw, JointTask
+from prp_gym.envs.joint_task import JointTask
+from prp_gym.envs.reference_draws import Draw
 from prp_gym.robot.arrays import Array
 
 
@@ -13,7 +14,7 @@ class JointRegulation(JointTask):
     environment_id = "PRP-JointRegulation-v0"
 
     def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """A constant reference; see `JointTask.draw_trajectory`."""
+        """A constant reference; see `FreeTask.draw_trajectory`."""
         return self.draw_constant(rng, joint_position, goal)
 
 

@@ -5,22 +5,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from prp_gym.envs.arm_task import check_joint_limits
 from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.joint_task import Draw, JointTask, check_joint_limits
+from prp_gym.envs.joint_task import JointTask
+from prp_gym.envs.reference_draws import Draw, StartOptions
 from prp_gym.errors import UnknownNameError
-from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.scenario import Scenario
-from prp_gym.tasks.task import TaskNumbers
-from prp_gym.tasks.trajectory import QuinticWaypoints, Sine
+from prp_gym.tasks.trajectory import Sine
 
 REFERENCES = ("quintic", "sine", "constant")
-STARTS = ("scenario", "first_waypoint", "home")
 
 
 @dataclass(frozen=True)
-class TrackingOptions:
+class TrackingOptions(StartOptions):
     """Keywords of the task beside the common ones.
 
     Raises:
@@ -31,43 +29,17 @@ class TrackingOptions:
         default="quintic",
         metadata=describe("", "`quintic` (through waypoints, at rest in each), `sine` or `constant`"),
     )
-    start: str = field(
-        default="scenario",
-        metadata=describe(
-            "",
-            "where the quintic begins: `first_waypoint` holds the first waypoint until its time (a step at"
-            " t = 0, as the report's author ran it), `home` begins at the arm's initial position;"
-            " `scenario`: `first_waypoint` in `report`, else `home`",
-        ),
-    )
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.reference not in REFERENCES:
             raise UnknownNameError("reference", self.reference, REFERENCES)
-        if self.start not in STARTS:
-            raise UnknownNameError("start", self.start, STARTS)
 
 
 class JointTracking(JointTask):
-    """Follow q_d(t). Source: [R] 6.4, 7.1.
-
-    Args:
-        numbers: from the task's data file.
-        scenario: the conditions of the episodes.
-        arm: the nominal arm.
-        options: the task's own keywords.
-    """
+    """Follow q_d(t). Source: [R] 6.4, 7.1."""
 
     environment_id = "PRP-JointTracking-v0"
-
-    def __init__(
-        self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: TrackingOptions
-    ) -> None:
-        super().__init__(numbers, scenario, arm, options)
-        self._kind = options.reference
-        self._from_home = options.start == "home" or (
-            options.start == "scenario" and not scenario.deterministic
-        )
 
     def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """A reference of the chosen kind; a goal replaces its end, centre or position."""
@@ -76,18 +48,10 @@ class JointTracking(JointTask):
             "sine": self._draw_sine,
             "constant": self.draw_constant,
         }
-        return draw[self._kind](rng, joint_position, goal)
+        return draw[self.options.reference](rng, joint_position, goal)
 
     def _draw_quintic(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        waypoints = self.ranges["waypoints"].draw(rng).reshape(-1, 3)
-        times = np.cumsum(self.ranges["interval"].draw(rng))
-        if goal is not None:
-            waypoints[-1] = goal
-        check_joint_limits(self.arm, "goal", waypoints[-1])
-        if self._from_home:
-            waypoints = np.concatenate([joint_position[None], waypoints])
-            times = np.concatenate([[0.0], times])
-        return QuinticWaypoints(times[None], waypoints[None]), joint_position
+        return self.draw_waypoints(rng, joint_position, goal, self.options.start), joint_position
 
     def _draw_sine(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         center = self.ranges["center"].draw(rng)

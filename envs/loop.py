@@ -14,16 +14,13 @@ from numpy.typing import NDArray
 from prp_gym.envs.actuators import make_actuators
 from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.reference_window import ReferenceWindow
+from prp_gym.envs.sensors import make_sensors
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
-from prp_gym.physics.mjcf import PhysicsSettings
-from prp_gym.physics.simulation import MEASUREMENT_SIZE, Physics, PhysicsState
+from prp_gym.physics.batch_simulation import PhysicsState
 from prp_gym.robot.arrays import Array, all_true
-from prp_gym.tasks.fields import POSITION_BOUND, SPEED_BOUND
 from prp_gym.tasks.reward import Reward
-from prp_gym.tasks.scenario import PlantDraw
 from prp_gym.tasks.task import Task
 
-_STATE_BOUND = np.array([*POSITION_BOUND, *SPEED_BOUND])
 _LARGEST_SEED = 2**63
 
 
@@ -40,6 +37,10 @@ COMMON_INFO = (
     InfoField("cost_joint_stop", "joints", "joints beyond a stop"),
     InfoField("cost_saturation", "joints", "joints whose action is at or beyond the actuator limit"),
     InfoField("time", "s", "since the start of the episode"),
+)
+CONTACT_INFO = (
+    InfoField("contact_force", "N", "magnitude of the force by the tip on the surface"),
+    InfoField("cost_force_bound", "1", "whether that force is beyond the task's bound"),
 )
 
 
@@ -62,7 +63,7 @@ class Step(NamedTuple):
 
 
 def _count(values: NDArray[Any]) -> NDArray[Any] | int:
-    """How many values in each row (N, 3) are not zero; mostly none."""
+    """How many values in each row (N, joints) are not zero; mostly none."""
     if not np.count_nonzero(values):
         return 0
     counts: NDArray[np.intp] = np.count_nonzero(values, axis=1)
@@ -86,8 +87,9 @@ class EpisodeLoop:
         num_threads: of the physics; 0 takes all cores.
 
     Attributes:
-        torque_limit: joint torques at action 1 (3) [N m, N, N m].
-        commanded_torque: of the last step, within the limits (N, 3) [N m, N, N m].
+        torque_limit: joint torques at action 1 (joints) [N m, N, N m].
+        commanded_torque: of the last step, within the limits (N, joints) [N m, N, N m].
+        truth: what is true now (N, task.truth_layout.size); the observation is its reading.
         info_fields: the columns of a step's `info`.
     """
 
@@ -95,21 +97,25 @@ class EpisodeLoop:
         self.task = task
         self.config = config
         self.num_envs = num_envs
-        self.torque_limit = np.array(config.limits())
-        scenario = task.scenario
-        settings = PhysicsSettings(1.0 / SUBSTEPS_PER_SECOND, scenario.joint_stops)
-        self.physics = Physics(task.arm.parameters, settings, num_envs, num_threads)
+        nominal = task.model.parameters.torque_limit
+        self.torque_limit = config.limits(nominal)
+        self.joints = len(nominal)
+        self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
         self.reward = Reward(task.numbers.reward, 1.0 / config.control_frequency)
         terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self.reward.terms]
-        self.info_fields = (*terms, *COMMON_INFO)
-        self._ideal_plant = scenario.ideal_plant
-        self._actuators = make_actuators(scenario, num_envs)
-        self.commanded_torque = np.zeros((num_envs, 3))
+        self._touches = "contact_force" in task.layout.names
+        self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._touches else ()))
+        self._force_bound = float(task.numbers.constants.get("force_bound", np.inf))
+        self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
+        self._sensors = make_sensors(task.scenario, task.layout, num_envs)
+        self.commanded_torque = np.zeros((num_envs, self.joints))
+        self.truth = np.zeros((num_envs, task.truth_layout.size))
         self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency, config.horizon)
         self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
         self._playable = False
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
-        self._bound = np.tile(_STATE_BOUND, (num_envs, 1))
+        bounds = [bound for item in task.measured_fields[:2] for bound in item.high]
+        self._bound = np.tile(np.array(bounds), (num_envs, 1))
         self._horizon, self._substeps = config.horizon, config.substeps
         self._frequency = float(config.control_frequency)
         self._space = task.layout.space()
@@ -140,12 +146,12 @@ class EpisodeLoop:
         starts, plants, seeds = [], [], []
         for rng in rngs:
             starts.append(self.task.draw(rng, options))
-            if not self._ideal_plant:
-                plants.append(self.task.scenario.draw_plant(rng))
+            plants.append(self.task.draw_plant(rng))
             seeds.append(int(rng.integers(_LARGEST_SEED)))
-        self._set_plants(ids, plants)
+        self.task.place(self.physics, ids, starts, plants)
         self.task.begin(ids, starts)
         self._actuators.begin(ids, seeds)
+        self._sensors.begin(ids, seeds)
         self.physics.reset(
             ids,
             np.stack([start.joint_position for start in starts]),
@@ -154,6 +160,9 @@ class EpisodeLoop:
         self._window.begin(ids, self.task.reference)
         self._unplayable[ids] = False
         self._playable = not self._unplayable.any()
+        truth = self._measure()
+        self.task.complete(truth)
+        self.truth = truth
         return self._observe()
 
     def _check_ids(self, ids: NDArray[np.intp]) -> None:
@@ -163,21 +172,11 @@ class EpisodeLoop:
         if not self.started and len(ids) < self.num_envs:
             raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
 
-    def _set_plants(self, ids: NDArray[np.intp], plants: Sequence[PlantDraw]) -> None:
-        if self._ideal_plant:
-            return
-        self.physics.set_dynamics(
-            ids,
-            np.stack([plant.mass_factor for plant in plants]),
-            np.stack([plant.viscous_friction for plant in plants]),
-            np.stack([plant.coulomb_friction for plant in plants]),
-        )
-
     def step(self, action: Array) -> Step:
         """One control period of every environment.
 
         Args:
-            action: (N, 3) torques over their limits; beyond ±1 they are clipped and counted.
+            action: (N, joints) torques over their limits; beyond ±1 they are clipped and counted.
 
         Returns:
             observations and judgement after the step.
@@ -189,8 +188,8 @@ class EpisodeLoop:
         """
         if not self._playable:
             raise EpisodeError(self._why_not_playable())
-        if action.shape != (self.num_envs, 3):
-            raise ShapeError("action", action.shape, f"({self.num_envs}, 3)")
+        if action.shape != self._limit.shape:
+            raise ShapeError("action", action.shape, f"{self._limit.shape}")
         saturated: NDArray[Any] | int = 0
         inside = np.abs(action) < 1.0
         if not all_true(inside):
@@ -203,20 +202,30 @@ class EpisodeLoop:
         self.physics.set_torque(self._actuators.apply(command))
         self.physics.advance(self._substeps)
         self._window.advance(self.task.reference)
+        self._sensors.advance()
+        truth = self._measure()
+        self.task.advance(truth)
+        self.task.complete(truth)
+        self.truth = truth
         return self._judge(command, saturated)
 
     def _judge(self, command: Array, saturated: NDArray[Any] | int) -> Step:
         elapsed = self._window.elapsed
-        observation = self._observe()
-        contributions = self.reward(self.task.errors(observation, command))
+        truth = self.truth
+        contributions = self.reward(self.task.errors(truth, command))
         terms = contributions.shape[1]
-        info = np.empty((self.num_envs, terms + len(COMMON_INFO)))
+        info = np.empty((self.num_envs, len(self.info_fields)))
         info[:, :terms] = contributions
         info[:, terms] = _count(self.physics.stop_violation)
         info[:, terms + 1] = saturated
         info[:, terms + 2] = elapsed / self._frequency
+        if self._touches:
+            force = self.physics.contact_force
+            info[:, terms + 3] = np.sqrt(np.vecdot(force, force))
+            info[:, terms + 4] = info[:, terms + 3] > self._force_bound
         truncated = elapsed >= self._horizon
-        outside = np.abs(observation[:, :6]) > self._bound
+        observation = self._observe()
+        outside = np.abs(truth[:, : 2 * self.joints]) > self._bound
         if not (np.count_nonzero(outside) or self.physics.any_unstable):
             terminated = np.zeros(self.num_envs, dtype=np.bool_)
             return Step(observation, np.add.reduce(contributions, axis=1), terminated, truncated, info)
@@ -241,10 +250,18 @@ class EpisodeLoop:
         reward = np.add.reduce(info[:, :terms], axis=1)
         return Step(observation, reward, terminated, truncated & ~terminated, info)
 
+    def _measure(self) -> Array:
+        """What is true now, new; judged fields as the task last left them."""
+        truth = np.empty((self.num_envs, self.task.truth_layout.size))
+        measured = self.physics.measurement_size
+        self.physics.measure(truth[:, :measured])
+        truth[:, measured : self.task.layout.size] = self._window.current
+        return truth
+
     def _observe(self) -> Array:
-        observation = np.empty((self.num_envs, self.task.layout.size))
-        self.physics.measure(observation[:, :MEASUREMENT_SIZE])
-        observation[:, MEASUREMENT_SIZE:] = self._window.current
+        """The reading of what is true now, new."""
+        observation = self.truth[:, : self.task.layout.size].copy()
+        self._sensors.read(observation)
         return observation
 
     def _why_not_playable(self) -> str:
@@ -284,5 +301,6 @@ class EpisodeLoop:
         return self._observe()
 
     def _rest(self) -> dict[str, Any]:
-        names = ("task", "commanded_torque", "_actuators", "_window", "_unplayable", "_playable")
+        names = ("task", "truth", "commanded_torque", "_actuators", "_sensors", "_window")
+        names += ("_unplayable", "_playable")
         return {name: getattr(self, name) for name in names}

@@ -1,5 +1,6 @@
 """The elastic surface: a plane that pushes back on the tip as a spring and damper, on one side only."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,6 +82,16 @@ class Surface:
             np.array([damping]),
             np.array([normal], dtype=np.float64),
             np.array([offset]),
+        )
+
+    @classmethod
+    def concatenate(cls, surfaces: Sequence["Surface"]) -> "Surface":
+        """The planes of several, in order."""
+        return cls(
+            np.concatenate([surface.stiffness for surface in surfaces]),
+            np.concatenate([surface.damping for surface in surfaces]),
+            np.concatenate([surface.normal for surface in surfaces]),
+            np.concatenate([surface.offset for surface in surfaces]),
         )
 
     def quaternions(self) -> Array:

@@ -9,35 +9,38 @@ import numpy as np
 
 from prp_gym.robot.arrays import Array
 
-Range3 = tuple[float, float, float]
-
 SCENARIOS = ("report", "randomized", "realistic")
 
 
 @dataclass(frozen=True)
 class Range:
-    """A box from which vectors are drawn uniformly; nested lists of a data file are laid end to end.
+    """A box from which vectors are drawn; nested lists of a data file are laid end to end.
 
     Attributes:
         low: lower corner.
         high: upper corner.
+        logarithmic: whether the logarithms are uniform, rather than the values.
     """
 
     low: tuple[float, ...]
     high: tuple[float, ...]
+    logarithmic: bool = False
 
     @cached_property
     def _corners(self) -> tuple[Array, Array]:
-        return np.array(self.low), np.array(self.high)
+        corners = np.array(self.low), np.array(self.high)
+        return (np.log(corners[0]), np.log(corners[1])) if self.logarithmic else corners
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> "Range":
         """A range as it stands in a data file."""
-        return cls(tuple(np.ravel(table["low"]).tolist()), tuple(np.ravel(table["high"]).tolist()))
+        low, high = (tuple(np.ravel(table[name]).tolist()) for name in ("low", "high"))
+        return cls(low, high, bool(table.get("logarithmic", False)))
 
     def draw(self, rng: np.random.Generator) -> Array:
         """One vector."""
-        return rng.uniform(*self._corners)
+        drawn = rng.uniform(*self._corners)
+        return np.exp(drawn) if self.logarithmic else drawn
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +72,10 @@ class Scenario:
         mass_factor: factors on link masses (3).
         viscous_friction: F_v (3) [N m s/rad, N s/m, N m s/rad].
         coulomb_friction: F_s (3) [N m, N, N m].
-        torque_noise: standard deviation (3) of white noise on the torques [N m, N, N m].
+        torque_noise: standard deviation of white noise on the torques, a share of the nominal limits.
         delay_steps: control periods by which the torques come late.
+        force_noise: standard deviation of white noise on each axis of the force sensor [N].
+        force_bias: largest constant error of each axis of the force sensor [N].
     """
 
     name: str
@@ -82,13 +87,14 @@ class Scenario:
     mass_factor: Range
     viscous_friction: Range
     coulomb_friction: Range
-    torque_noise: Range3
+    torque_noise: float
     delay_steps: int
+    force_noise: float
+    force_bias: float
 
     @classmethod
     def from_table(cls, name: str, table: Mapping[str, Any]) -> "Scenario":
         """A scenario as it stands in a data file."""
-        noise = tuple(map(float, table["torque_noise"]))
         return cls(
             name=name,
             description=str(table["description"]),
@@ -99,8 +105,10 @@ class Scenario:
             mass_factor=Range.from_table(table["mass_factor"]),
             viscous_friction=Range.from_table(table["viscous_friction"]),
             coulomb_friction=Range.from_table(table["coulomb_friction"]),
-            torque_noise=(noise[0], noise[1], noise[2]),
+            torque_noise=float(table["torque_noise"]),
             delay_steps=int(table["delay_steps"]),
+            force_noise=float(table["force_noise"]),
+            force_bias=float(table["force_bias"]),
         )
 
     @property

@@ -2,15 +2,17 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import ClassVar, Generic, TypeVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import Mark
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.link import Link
 from prp_gym.tasks.fields import MEASURED_FIELDS, Field, ObservationLayout
 from prp_gym.tasks.reward import RewardTerm
 from prp_gym.tasks.scenario import Range, Scenario
@@ -21,12 +23,27 @@ class EpisodeStart:
     """How one episode of one environment starts.
 
     Attributes:
-        joint_position: (3) [rad, m, rad].
-        joint_velocity: (3) [rad/s, m/s, rad/s].
+        joint_position: (joints) [rad, m, rad].
+        joint_velocity: (joints) per second.
     """
 
     joint_position: Array
     joint_velocity: Array
+
+
+@dataclass(frozen=True)
+class ResetOption:
+    """A value that `reset(options=...)` takes in place of what is drawn.
+
+    Attributes:
+        shape: () or (size,).
+        unit: of its components.
+        description: what it is.
+    """
+
+    shape: tuple[int, ...]
+    unit: str
+    description: str
 
 
 @dataclass(frozen=True)
@@ -36,10 +53,12 @@ class TaskNumbers:
     Attributes:
         reward: the reward's terms.
         ranges: by name of a draw (`report`, `randomized`), from which starts and goals are drawn.
+        constants: other numbers by name, with their units in the data file.
     """
 
     reward: tuple[RewardTerm, ...]
     ranges: Mapping[str, Mapping[str, Range]]
+    constants: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -51,30 +70,46 @@ StartT = TypeVar("StartT", bound=EpisodeStart)
 
 
 class Task(ABC, Generic[StartT]):
-    """The goal of N environments at once: it judges, and neither counts time nor moves the arm.
+    """The goal of N environments at once: it judges, and neither counts time nor moves the robot.
 
     Args:
         numbers: from the task's data file.
         scenario: the conditions of the episodes.
-        arm: the nominal arm.
         options: the task's own keywords.
+        period: of control [s].
 
     Attributes:
         environment_id: under which Gymnasium knows the task.
-        reference_fields: what is observed beside the measurements.
-        reset_options: names that `reset(options=...)` takes.
+        measured_fields: what is observed of the robot, in the order of the physics' measurement.
+        reference_fields: what is observed of the goal.
+        judged_fields: what is recorded and judged beside the observation, and not observed.
+        reset_options: what `reset(options=...)` takes, by name.
+        model: the nominal robot, whatever the plant really is.
+        ranges: from which this scenario draws.
+        layout: of the observation.
+        truth_layout: of the true values: those of the observation, and the judged fields.
     """
 
     environment_id: ClassVar[str]
+    measured_fields: ClassVar[tuple[Field, ...]] = MEASURED_FIELDS
     reference_fields: ClassVar[tuple[Field, ...]]
-    reset_options: ClassVar[tuple[str, ...]]
+    judged_fields: ClassVar[tuple[Field, ...]] = ()
+    reset_options: ClassVar[Mapping[str, ResetOption]]
+    model: PRPArm | Link
 
-    def __init__(self, numbers: TaskNumbers, scenario: Scenario, arm: PRPArm, options: object) -> None:
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         self.numbers = numbers
         self.scenario = scenario
-        self.arm = arm
         self.options = options
-        self.layout = ObservationLayout((*MEASURED_FIELDS, *self.reference_fields))
+        self.period = period
+        self.ranges: Mapping[str, Range] = numbers.ranges[scenario.draws]
+        observed = (*self.measured_fields, *self.reference_fields)
+        self.layout = ObservationLayout(observed)
+        self.truth_layout = ObservationLayout((*observed, *self.judged_fields))
+
+    @abstractmethod
+    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
+        """The world of N environments, integrated in steps of `timestep` [s]."""
 
     @abstractmethod
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> StartT:
@@ -89,7 +124,18 @@ class Task(ABC, Generic[StartT]):
 
         Raises:
             JointLimitError: a start or goal outside the joint limits.
+            InvalidValueError: another value that is not allowed.
         """
+
+    @abstractmethod
+    def draw_plant(self, rng: np.random.Generator) -> Any:
+        """Draw how the robot of one episode differs from the nominal one."""
+
+    @abstractmethod
+    def place(
+        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[StartT], plants: Sequence[Any]
+    ) -> None:
+        """Give the worlds of some environments (n) the plants and surroundings of their new episodes."""
 
     @abstractmethod
     def begin(self, ids: NDArray[np.intp], starts: Sequence[StartT]) -> None:
@@ -110,13 +156,23 @@ class Task(ABC, Generic[StartT]):
             (..., n, size of the reference fields).
         """
 
+    def advance(self, truth: Array) -> None:
+        """Let what the task itself integrates go on by one period.
+
+        Args:
+            truth: (N, truth_layout.size) at the period's end, all but the judged fields.
+        """
+
+    def complete(self, truth: Array) -> None:
+        """Write the judged fields into true values (N, truth_layout.size), in place."""
+
     @abstractmethod
-    def errors(self, observation: Array, torque: Array) -> Array:
+    def errors(self, truth: Array, torque: Array) -> Array:
         """The errors that the reward's terms judge, in the terms' order and units.
 
         Args:
-            observation: (..., layout.size), after the step.
-            torque: (..., 3) commanded torque, within the actuator limits [N m, N, N m].
+            truth: (..., truth_layout.size), after the step.
+            torque: (..., joints) commanded torque, within the actuator limits [N m, N, N m].
 
         Returns:
             (..., terms, width), width that of the longest term; the rest of a shorter one is zero.

@@ -1,4 +1,7 @@
-"""Reference trajectories in joint space: position, velocity and acceleration at any time, for N at once."""
+"""Reference trajectories: position, velocity and acceleration at any time, for N at once.
+
+A position has d components: the joints [rad, m, rad], one joint, or a pose [m, m, m, rad, rad, rad].
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -27,7 +30,7 @@ class Trajectory(ABC):
             time: (..., N) [s] since the start of each episode.
 
         Returns:
-            (..., N, 9): position (3) [rad, m, rad], velocity (3) and acceleration (3) per second.
+            (..., N, 3d): position (d), velocity (d) per second and acceleration (d) per second squared.
         """
 
     @property
@@ -38,7 +41,7 @@ class Trajectory(ABC):
     @property
     @abstractmethod
     def goal(self) -> Array:
-        """(N, 3) where the trajectory ends or about which it moves [rad, m, rad]."""
+        """(N, d) where the trajectory ends or about which it moves."""
 
     @classmethod
     def concatenate(cls, rows: Sequence[Self]) -> Self:
@@ -61,15 +64,16 @@ class Constant(Trajectory):
     """A position held for ever.
 
     Attributes:
-        position: (N, 3) [rad, m, rad].
+        position: (N, d).
     """
 
     position: Array
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
-        values = np.zeros((*time.shape, 9))
-        values[..., :3] = self.position
+        size = self.position.shape[-1]
+        values = np.zeros((*time.shape, 3 * size))
+        values[..., :size] = self.position
         return values
 
     @property
@@ -85,13 +89,13 @@ class Constant(Trajectory):
 
 @dataclass(frozen=True, eq=False)
 class Sine(Trajectory):
-    """center + amplitude sin(angular_frequency t + phase), per joint.
+    """center + amplitude sin(angular_frequency t + phase), per component.
 
     Attributes:
-        center: (N, 3) [rad, m, rad].
-        amplitude: (N, 3) [rad, m, rad].
-        angular_frequency: (N, 3) [rad/s].
-        phase: (N, 3) [rad].
+        center: (N, d).
+        amplitude: (N, d).
+        angular_frequency: (N, d) [rad/s].
+        phase: (N, d) [rad].
     """
 
     center: Array
@@ -118,6 +122,46 @@ class Sine(Trajectory):
 
 
 @dataclass(frozen=True, eq=False)
+class SquareAcceleration(Trajectory):
+    """Acceleration of constant magnitude whose sign is that of cos(angular_frequency t); at rest at t = 0.
+
+    Velocity is a triangle wave about zero, so that the position comes back to the start every period.
+
+    Attributes:
+        start: (N, d).
+        magnitude: (N, d) per second squared.
+        angular_frequency: (N, d) [rad/s].
+    """
+
+    start: Array
+    magnitude: Array
+    angular_frequency: Array
+
+    def sample(self, time: Array) -> Array:
+        """See `Trajectory.sample`."""
+        quarter = np.pi / 2 / self.angular_frequency
+        phase = time[..., None] / quarter % 4.0  # in quarters of a period
+        sign = np.where((phase < 1.0) | (phase >= 3.0), 1.0, -1.0)
+        peak = self.magnitude * quarter
+        velocity = peak * (1.0 - np.abs((phase + 1.0) % 4.0 - 2.0))
+        rising, back = np.minimum(phase, 1.0), np.clip(phase - 1.0, 0.0, 2.0)
+        last = np.maximum(phase - 3.0, 0.0)
+        covered = rising**2 / 2 + back - back**2 / 2 - last + last**2 / 2
+        return np.concatenate([self.start + peak * quarter * covered, velocity, sign * self.magnitude], axis=-1)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no component moves."""
+        return not np.any(self.magnitude)
+
+    @property
+    def goal(self) -> Array:
+        """The middle of the motion."""
+        middle: Array = self.start + self.magnitude * (np.pi / 2 / self.angular_frequency) ** 2 / 2
+        return middle
+
+
+@dataclass(frozen=True, eq=False)
 class QuinticWaypoints(Trajectory):
     """Quintic segments that rest (zero velocity and acceleration) at every waypoint.
 
@@ -125,7 +169,7 @@ class QuinticWaypoints(Trajectory):
 
     Attributes:
         times: (N, K), strictly increasing [s].
-        positions: (N, K, 3) [rad, m, rad].
+        positions: (N, K, d).
 
     Raises:
         InvalidValueError: fewer than two waypoints, times that do not increase.
@@ -137,9 +181,9 @@ class QuinticWaypoints(Trajectory):
     positions: Array
 
     def __post_init__(self) -> None:
-        if self.times.shape[-1] < 2 or self.positions.shape != (*self.times.shape, 3):
+        if self.times.shape[-1] < 2 or self.positions.shape[:-1] != self.times.shape:
             raise InvalidValueError(
-                "waypoints' shape", self.positions.shape, "(N, K, 3) with K times, K >= 2"
+                "waypoints' shape", self.positions.shape, "(N, K, d) with K times, K >= 2"
             )
         if not (np.diff(self.times, axis=-1) > 0.0).all():
             raise InvalidValueError("waypoint times", self.times.tolist(), "strictly increasing", "s")

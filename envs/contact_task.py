@@ -1,0 +1,214 @@
+"""What the contact tasks share: an elastic surface across the slide's way, and a reference pose."""
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.arm_task import ARM_OPTIONS, TrajectoryStart, check_joint_limits
+from prp_gym.envs.config import describe
+from prp_gym.envs.pose_task import PoseReferenceTask
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.simulation import Physics
+from prp_gym.physics.surface import Surface
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.fields import CONTACT_FORCE, MEASURED_FIELDS
+from prp_gym.tasks.scenario import PlantDraw, Scenario
+from prp_gym.tasks.task import ResetOption, TaskNumbers
+from prp_gym.tasks.trajectory import Trajectory
+
+SURFACE_OPTIONS = {
+    "surface_stiffness": ResetOption((), "N/m", "stiffness K of the surface"),
+    "surface_damping": ResetOption((), "N·s/m", "damping D of the surface"),
+    "surface_normal": ResetOption((3,), "", "normal of the surface in the world frame, to the free side"),
+    "surface_offset": ResetOption((), "m", "normal · p of the surface's points p"),
+}
+
+
+def _surface_keyword(name: str) -> Any:
+    option = SURFACE_OPTIONS[name]
+    return field(default=None, metadata=describe(option.unit, option.description + "; None draws it"))
+
+
+@dataclass(frozen=True)
+class SurfaceOptions:
+    """The surface of every episode; what is None is drawn, or follows from the drawn place of contact.
+
+    Raises:
+        InvalidValueError: a stiffness that is not positive, negative damping, a zero normal, a value that
+            is not a finite number.
+        ShapeError: a normal without three components.
+    """
+
+    surface_stiffness: float | None = _surface_keyword("surface_stiffness")
+    surface_damping: float | None = _surface_keyword("surface_damping")
+    surface_normal: tuple[float, float, float] | None = _surface_keyword("surface_normal")
+    surface_offset: float | None = _surface_keyword("surface_offset")
+
+    def __post_init__(self) -> None:
+        for name, value in self.given().items():
+            plain = tuple(value.tolist()) if value.ndim else float(value)
+            object.__setattr__(self, name, plain)
+        make_surface(self.given(), np.array([0.0, 0.0, 1.0]), 0.0)
+
+    def given(self) -> dict[str, Array]:
+        """What is not None, by name."""
+        names = [entry.name for entry in fields(SurfaceOptions)]
+        values = {name: getattr(self, name) for name in names}
+        return {n: as_numbers(n, value) for n, value in values.items() if value is not None}
+
+
+def as_numbers(what: str, value: object) -> Array:
+    """A keyword's value as an array of the shape that is declared for it.
+
+    Raises:
+        InvalidValueError: not numbers.
+        ShapeError: another shape.
+    """
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidValueError(what, value, "a number or numbers", SURFACE_OPTIONS[what].unit) from None
+    if numbers.shape != SURFACE_OPTIONS[what].shape:
+        raise ShapeError(what, numbers.shape, f"{SURFACE_OPTIONS[what].shape}")
+    return numbers
+
+
+def make_surface(
+    values: Mapping[str, Array], normal: Array, offset: float, stiffness: float = 1.0, damping: float = 0.0
+) -> Surface:
+    """One surface from what is given by name, and defaults for the rest."""
+    direction = values.get("surface_normal", normal)
+    return Surface(
+        np.atleast_1d(values.get("surface_stiffness", stiffness)),
+        np.atleast_1d(values.get("surface_damping", damping)),
+        np.atleast_2d(direction),
+        np.atleast_1d(values.get("surface_offset", offset)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPlace:
+    """Where the tip meets the surface: the slide moves the tip straight into it.
+
+    Attributes:
+        arm: the nominal arm.
+        joint_position: at the first touch (3) [rad, m, rad].
+        side: +1 if an extending slide presses on the surface, -1 if a retracting one does.
+    """
+
+    arm: PRPArm
+    joint_position: Array
+    side: float
+
+    @property
+    def normal(self) -> Array:
+        """Of the surface, to the free side (3)."""
+        q_1 = self.joint_position[0]
+        normal: Array = -self.side * np.array([np.sin(q_1), -np.cos(q_1), 0.0])
+        return normal
+
+    @property
+    def offset(self) -> float:
+        """Of the surface along its normal [m]."""
+        return float(self.normal @ self.arm.forward_kinematics(self.joint_position)[:3])
+
+    def near(self, offsets: Array) -> Array:
+        """Joint positions at given depths below the surface.
+
+        Args:
+            offsets: (..., 3) change of q_1 [rad], depth [m] (negative: off the surface), change of q_3 [rad].
+
+        Returns:
+            (..., 3) [rad, m, rad].
+        """
+        geometry = self.arm.parameters.geometry
+        a_1, a_3 = geometry.first_link_offset, geometry.third_link_length
+        turn, depth = offsets[..., 0], offsets[..., 1]
+        q = np.empty(offsets.shape)
+        q[..., 0] = self.joint_position[0] + turn
+        q[..., 2] = self.joint_position[2] + offsets[..., 2]
+        reach = self.joint_position[1] + geometry.slide_offset + a_3 * np.cos(self.joint_position[2])
+        reach = (reach + self.side * depth + a_1 * np.sin(turn)) / np.cos(turn)
+        q[..., 1] = reach - geometry.slide_offset - a_3 * np.cos(q[..., 2])
+        return q
+
+
+@dataclass(frozen=True, eq=False)
+class ContactStart(TrajectoryStart):
+    """A start with its reference and its surface.
+
+    Attributes:
+        surface: one plane.
+        desired_force: (3) by the tip on the surface, world frame [N]; zero where none is asked for.
+    """
+
+    surface: Surface
+    desired_force: Array
+
+
+class ContactTask(PoseReferenceTask[ContactStart]):
+    """A task with an elastic surface that the slide presses on.
+
+    The surface lies across the slide's direction at the place of contact, so that the arm can give way
+    along its normal without turning; other normals may be given.
+    """
+
+    measured_fields = (*MEASURED_FIELDS, CONTACT_FORCE)
+    reset_options = {**ARM_OPTIONS, **SURFACE_OPTIONS}
+    surface = True
+
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
+        super().__init__(numbers, scenario, options, period)
+        self._force = self.layout.index("contact_force")
+
+    @abstractmethod
+    def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
+        """The reference of one episode.
+
+        Args:
+            start: (3) joint position before the contact [rad, m, rad].
+            waypoints: (K, 3) joint positions [rad, m, rad].
+            intervals: (K) between them [s].
+
+        Returns:
+            one row.
+        """
+
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
+        """See `Task.draw`."""
+        names = ("contact", "side", "start", "waypoints", "interval", "surface_stiffness", "surface_damping")
+        drawn = {name: self.ranges[name].draw(rng) for name in names}
+        place = ContactPlace(self.arm, drawn["contact"], 1.0 if drawn["side"][0] > 0.0 else -1.0)
+        values = self.options.given() | {name: options[name] for name in SURFACE_OPTIONS if name in options}
+        springs = float(drawn["surface_stiffness"][0]), float(drawn["surface_damping"][0])
+        surface = make_surface(values, place.normal, place.offset, *springs)
+        before, waypoints = place.near(drawn["start"]), place.near(drawn["waypoints"].reshape(-1, 3))
+        if "goal" in options:
+            check_joint_limits(self.arm, "goal", options["goal"])
+            waypoints[-1] = options["goal"]
+        trajectory = self.draw_reference(options.get("joint_position", before), waypoints, drawn["interval"])
+        force = self.draw_force(rng, options, surface)
+        return ContactStart(*self.checked_start(before, options), trajectory, surface, force)
+
+    def draw_force(self, rng: np.random.Generator, options: Mapping[str, Array], surface: Surface) -> Array:
+        """The desired force (3) [N] by the tip on a surface (one plane); none unless a task asks for one."""
+        return np.zeros(3)
+
+    def place(
+        self,
+        physics: Simulation,
+        ids: NDArray[np.intp],
+        starts: Sequence[ContactStart],
+        plants: Sequence[PlantDraw],
+    ) -> None:
+        """See `Task.place`: masses, friction and surfaces."""
+        super().place(physics, ids, starts, plants)
+        if isinstance(physics, Physics):
+            surfaces = [start.surface for start in starts]
+            physics.set_surface(ids, Surface.concatenate(surfaces))

@@ -1,0 +1,100 @@
+"""What the force tasks share: a force to press with, and a pose to keep in the other directions."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.config import describe
+from prp_gym.envs.contact_task import ContactStart, ContactTask, SurfaceOptions
+from prp_gym.envs.pose_task import SCORED_ANGLES
+from prp_gym.errors import InvalidValueError
+from prp_gym.physics.surface import Surface
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.fields import DESIRED_FORCE, POSE_REFERENCE_FIELDS
+from prp_gym.tasks.scenario import Scenario
+from prp_gym.tasks.task import ResetOption, TaskNumbers
+
+_FORCE_OPTION = ResetOption((), "N", "force to press with, along the surface's inward normal")
+
+
+def check_force(value: float) -> None:
+    """Refuse a desired force that presses on nothing.
+
+    Raises:
+        InvalidValueError: not a finite number above 0.
+    """
+    good = isinstance(value, (int, float, np.number)) and np.isfinite(value) and value > 0.0
+    if not good:
+        raise InvalidValueError("desired_force", value, "a finite number above 0", "N")
+
+
+@dataclass(frozen=True)
+class ForceOptions(SurfaceOptions):
+    """The surface, and the force to press with.
+
+    Raises:
+        InvalidValueError: a force that is not above 0.
+    """
+
+    desired_force: float | None = field(
+        default=None, metadata=describe(_FORCE_OPTION.unit, _FORCE_OPTION.description + "; None draws it")
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.desired_force is not None:
+            check_force(self.desired_force)
+
+
+class ForceTask(ContactTask):
+    """Press with f_d along the surface's normal, and keep the desired pose in the other directions."""
+
+    reference_fields = (*POSE_REFERENCE_FIELDS, DESIRED_FORCE)
+    reset_options = {**ContactTask.reset_options, "desired_force": _FORCE_OPTION}
+
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
+        super().__init__(numbers, scenario, options, period)
+        self._desired_force = self.layout.index("desired_force")
+        self._forces = np.zeros((0, 3))
+
+    def draw_force(self, rng: np.random.Generator, options: Mapping[str, Array], surface: Surface) -> Array:
+        """Along the inward normal; a drawn force presses no deeper than the task's greatest depth."""
+        drawn = float(self.ranges["desired_force"].draw(rng)[0])
+        deepest = self.ranges["depth"].high[0]
+        magnitude = min(drawn, float(surface.stiffness[0]) * deepest)
+        if self.options.desired_force is not None:
+            magnitude = self.options.desired_force
+        if "desired_force" in options:
+            magnitude = float(options["desired_force"])
+        check_force(magnitude)
+        return -magnitude * np.array(surface.normal[0])
+
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[ContactStart]) -> None:
+        """See `Task.begin`."""
+        super().begin(ids, starts)
+        if len(self._forces) == 0:
+            self._forces = np.zeros((len(ids), 3))
+        self._forces[ids] = [start.desired_force for start in starts]
+
+    def reference(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
+        """See `Task.reference`."""
+        pose = super().reference(time, ids)
+        forces = self._forces if ids is None else self._forces[ids]
+        return np.concatenate([pose, np.broadcast_to(forces, (*pose.shape[:-1], 3))], axis=-1)
+
+    def errors(self, truth: Array, torque: Array) -> Array:
+        """(..., 4, 3): force [N], tip position along the surface [m], α and β [rad], torque [N m, N, N m]."""
+        desired, force = truth[..., self._desired_force], truth[..., self._force]
+        magnitude = np.sqrt(np.vecdot(desired, desired))
+        inward = desired / magnitude[..., None]
+        pose_error = self.pose_error(truth)
+        deviation = pose_error[..., :3]
+        errors = np.zeros((*torque.shape[:-1], 4, 3))
+        errors[..., 0, 0] = magnitude - np.vecdot(force, inward)
+        errors[..., 1, :] = deviation - np.vecdot(deviation, inward)[..., None] * inward
+        errors[..., 2, :SCORED_ANGLES] = pose_error[..., 3 : 3 + SCORED_ANGLES]
+        errors[..., 3, :] = torque
+        return errors

@@ -1,0 +1,141 @@
+"""What compliance, impedance and admittance tasks share: a target model that the force drives."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.config import describe
+from prp_gym.envs.contact_task import ContactStart, ContactTask, SurfaceOptions
+from prp_gym.envs.pose_task import stack_errors
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.fields import MODEL_POSE
+from prp_gym.tasks.scenario import Scenario
+from prp_gym.tasks.target_model import Displacement, TargetModel
+from prp_gym.tasks.task import TaskNumbers
+from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
+
+Axes = float | tuple[float, ...] | None
+
+
+def _target_keyword(what: str, unit: str) -> Any:
+    text = f"{what} of the target model: one number, six (x, y, z, α, β, γ), or None for the task's own"
+    return field(default=None, metadata=describe(unit, text))
+
+
+@dataclass(frozen=True)
+class StiffnessOptions(SurfaceOptions):
+    """The surface, and the target's stiffness.
+
+    Raises:
+        InvalidValueError: a value that is not a finite number, or negative.
+        ShapeError: neither one number nor six.
+    """
+
+    target_stiffness: Axes = _target_keyword("stiffness K_P", "N/m, N·m/rad")
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("target_inertia", "target_damping", "target_stiffness"):
+            value = getattr(self, name, None)
+            if value is not None:
+                object.__setattr__(self, name, _six(name, value))
+
+
+@dataclass(frozen=True)
+class TargetOptions(StiffnessOptions):
+    """The surface, and the target's inertia, damping and stiffness."""
+
+    target_inertia: Axes = _target_keyword("inertia M_d", "kg, kg·m²")
+    target_damping: Axes = _target_keyword("damping K_D", "N·s/m, N·m·s/rad")
+
+
+def _six(name: str, value: object) -> tuple[float, ...]:
+    try:
+        axes = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidValueError(name, value, "one number or six") from None
+    if axes.shape not in ((), (6,)):
+        raise ShapeError(name, axes.shape, "one number or (6,)")
+    if not (np.isfinite(axes).all() and (axes >= 0.0).all()):
+        raise InvalidValueError(name, value, "finite and at least 0")
+    return tuple(np.broadcast_to(axes, 6).tolist())
+
+
+class RenderingTask(ContactTask):
+    """Be, under the measured force, where a target model would be.
+
+    Attributes:
+        target: the model M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e with x̃ = x_d - x.
+    """
+
+    judged_fields = (MODEL_POSE,)
+
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
+        super().__init__(numbers, scenario, options, period)
+        self._model_pose = self.truth_layout.index("model_pose")
+        own = numbers.constants["target"]
+        axes = [getattr(options, f"target_{name}", None) or own[name] for name in own]
+        self.target = TargetModel(**dict(zip(own, map(np.array, axes), strict=True)), period=period)
+
+    def generalised_force(self, truth: Array) -> Array:
+        """The true contact force as one on the pose (..., 6) [N, N, N, N m, N m, N m]; no moments."""
+        force = np.zeros((*truth.shape[:-1], 6))
+        force[..., :3] = truth[..., self._force]
+        return force
+
+    def write_model_pose(self, truth: Array, displacement: Array) -> None:
+        """The desired pose, less a displacement (..., 6), as the model's pose."""
+        truth[..., self._model_pose] = truth[..., self._desired] - displacement
+
+    def errors(self, truth: Array, torque: Array) -> Array:
+        """(..., 3, 3): tip off the model's [m], α and β off the model's [rad], torque [N m, N, N m]."""
+        return stack_errors(truth[..., self._model_pose] - truth[..., self._measured], torque)
+
+    def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
+        """From the start through the waypoints."""
+        times = np.concatenate([[0.0], np.cumsum(intervals)])
+        return QuinticWaypoints(times[None], np.concatenate([start[None], waypoints])[None])
+
+
+class StaticRenderingTask(RenderingTask):
+    """The target has stiffness alone: K_P x̃ = h_e, at a constant x_d."""
+
+    def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
+        """The last waypoint, held."""
+        return Constant(waypoints[-1:])
+
+    def complete(self, truth: Array) -> None:
+        """See `Task.complete`."""
+        self.write_model_pose(truth, self.target.static_displacement(self.generalised_force(truth)))
+
+
+class DynamicRenderingTask(RenderingTask):
+    """The target has inertia, damping and stiffness, and moves under the measured force."""
+
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
+        super().__init__(numbers, scenario, options, period)
+        self._displacement = Displacement.zero((0,))
+        self._last_force = np.zeros((0, 6))
+
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[ContactStart]) -> None:
+        """See `Task.begin`: the model starts at rest, on the reference."""
+        super().begin(ids, starts)
+        if len(self._last_force) == 0:
+            self._displacement = Displacement.zero((len(ids),))
+            self._last_force = np.zeros((len(ids), 6))
+        for part in (*self._displacement, self._last_force):
+            part[ids] = 0.0
+
+    def advance(self, truth: Array) -> None:
+        """See `Task.advance`."""
+        force = self.generalised_force(truth)
+        self._displacement = self.target.advance(self._displacement, self._last_force, force)
+        self._last_force = force
+
+    def complete(self, truth: Array) -> None:
+        """See `Task.complete`."""
+        self.write_model_pose(truth, self._displacement.value)
