@@ -96,7 +96,7 @@ def test_measurement_is_the_kinematics_of_the_current_joint_state(settings: Phys
     physics = simulations(settings, rows)
     for call in range(5):
         measurement = physics.measurement
-        assert measurement.shape == (30, MEASUREMENT_SIZE)
+        assert measurement.shape == (30, physics.measurement_size)
         q, velocity = measurement[:, 0:3], measurement[:, 3:6]
         state = [physics.data(row) for row in range(30)]
         np.testing.assert_array_equal(q, [data.qpos for data in state])
@@ -117,8 +117,10 @@ def test_named_answers_are_parts_of_the_measurement() -> None:
     np.testing.assert_array_equal(physics.joint_velocity, measurement[:, 3:6])
     np.testing.assert_array_equal(physics.tip_position, measurement[:, 6:9])
     np.testing.assert_array_equal(physics.tip_velocity, measurement[:, 12:15])
+    np.testing.assert_array_equal(physics.contact_force, measurement[:, 18:21])
+    assert measurement[:, 18:21].any()
     np.testing.assert_array_equal(physics.torque, TORQUE[2, :5])
-    written = np.empty((5, MEASUREMENT_SIZE))
+    written = np.empty((5, physics.measurement_size))
     physics.measure(written)
     np.testing.assert_array_equal(written, measurement)
     for answer in (
@@ -129,6 +131,22 @@ def test_named_answers_are_parts_of_the_measurement() -> None:
     ):
         with pytest.raises(ValueError, match="read-only"):
             answer[0, 0] = 1.0
+
+
+@pytest.mark.parametrize("stops", [True, False])
+def test_contact_force_is_measured_where_there_is_a_surface(stops: bool) -> None:
+    without = Physics(settings=PhysicsSettings(joint_stops=stops))
+    assert without.measurement_size == MEASUREMENT_SIZE == 18
+    physics = Physics(settings=PhysicsSettings(joint_stops=stops, surface=True))
+    assert physics.measurement_size == 21
+    # the slide far behind the plane, and where there are stops behind its own too
+    physics.set_surface(ONE, Surface.single(100.0, (0.0, -1.0, 0.0), 0.3))
+    physics.reset(ONE, np.array([[0.0, -0.31, 0.0]]), np.zeros((1, 3)))
+    tip = ARM.forward_kinematics((0.0, -0.31, 0.0))[1]
+    # the solver's spurious mass of 0.13 g feels the stop's push of some 100 m/s²
+    np.testing.assert_allclose(physics.measurement[0, 18:], [0.0, 100.0 * (0.3 + tip), 0.0], atol=0.05)
+    np.testing.assert_array_equal(physics.contact_force, physics.measurement[:, 18:])
+    assert physics.joints_at_stop.tolist() == [[False, stops, False]]
 
 
 def test_many_substeps_at_once_are_many_single_ones(settings: PhysicsSettings) -> None:
@@ -147,7 +165,7 @@ def test_many_substeps_at_once_are_many_single_ones(settings: PhysicsSettings) -
 def test_a_simulation_among_five_is_the_simulation_alone(settings: PhysicsSettings, threads: int) -> None:
     together = run(simulations(settings, np.arange(5), threads), np.arange(5))
     assert (together[..., 18:21] != 0.0).any() == settings.surface
-    assert (together[..., 24:] != 0.0).any() == settings.joint_stops
+    assert (together[..., -3:] != 0.0).any() == settings.joint_stops
     for row in range(5):
         alone = run(simulations(settings, np.array([row])), np.array([row]))
         np.testing.assert_array_equal(together[:, row], alone[:, 0])

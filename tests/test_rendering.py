@@ -15,8 +15,8 @@ import mujoco
 
 from prp_gym.errors import InvalidValueError, RenderingError, UnknownNameError
 from prp_gym.physics import CAMERAS, Physics, PhysicsSettings, Surface
-from prp_gym.physics.mjcf import FLOOR_HEIGHT
 from prp_gym.physics.rendering import Arrow, Ball, Mark, OffscreenRenderer, Path, WindowRenderer, check_view
+from prp_gym.physics.scene import FLOOR_HEIGHT
 from prp_gym.robot import PRPArm
 
 WIDTH, HEIGHT = 96, 64

@@ -1,16 +1,23 @@
-"""The world: the MuJoCo model, its elastic surface, and simulations of it."""
+"""The worlds: MuJoCo models of the arm and the link, the elastic surface, and simulations of them."""
 
-from prp_gym.physics.mjcf import CAMERAS, TIP_RADIUS, PhysicsSettings, to_mjcf
-from prp_gym.physics.simulation import MEASUREMENT_SIZE, Physics, PhysicsState
+from prp_gym.physics.batch_simulation import PhysicsState, Simulation
+from prp_gym.physics.link_mjcf import link_to_mjcf
+from prp_gym.physics.link_simulation import LinkPhysics
+from prp_gym.physics.mjcf import TIP_RADIUS, PhysicsSettings, to_mjcf
+from prp_gym.physics.scene import CAMERAS
+from prp_gym.physics.simulation import MEASUREMENT_SIZE, Physics
 from prp_gym.physics.surface import Surface
 
 __all__ = [
     "CAMERAS",
     "MEASUREMENT_SIZE",
     "TIP_RADIUS",
+    "LinkPhysics",
     "Physics",
     "PhysicsSettings",
     "PhysicsState",
+    "Simulation",
     "Surface",
+    "link_to_mjcf",
     "to_mjcf",
 ]

@@ -6,16 +6,13 @@ from dataclasses import dataclass
 import mujoco
 
 from prp_gym.errors import InvalidValueError
+from prp_gym.physics.scene import FLOOR_HEIGHT, check_timestep, geom, inertial, motors, numbers, opening
 from prp_gym.physics.surface import IMPEDANCE, IMPEDANCE_RATIO
-from prp_gym.robot.parameters import NOMINAL, RobotParameters, Vector3
+from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 TIP_RADIUS = 0.02
 """Radius of the sphere at the tip [m]; planes stand back by it, so that depth is that of its centre."""
 
-FLOOR_HEIGHT = -0.15
-"""Of the drawn floor [m]: below all that the tip can reach. It stops nothing."""
-
-CAMERAS = ("overview", "top")
 JOINTS = ("joint_1", "joint_2", "joint_3")
 
 
@@ -36,11 +33,9 @@ class PhysicsSettings:
     surface_friction: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (self.timestep > 0.0 and math.isfinite(self.timestep)):
-            raise InvalidValueError("timestep", self.timestep, "above 0 and finite", "s")
+        object.__setattr__(self, "timestep", check_timestep(self.timestep))
         if not (self.surface_friction >= 0.0 and math.isfinite(self.surface_friction)):
             raise InvalidValueError("surface_friction", self.surface_friction, "at least 0 and finite")
-        object.__setattr__(self, "timestep", float(self.timestep))
         object.__setattr__(self, "surface_friction", float(self.surface_friction))
 
 
@@ -60,15 +55,12 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
     return "\n".join(
         [
             '<mujoco model="prp">',
-            _OPTIONS.format(timestep=world.timestep, gravity=0.0 - parameters.gravity, ratio=ratio),
-            _SCENERY.replace("@FLOOR@", repr(FLOOR_HEIGHT)),
+            opening(world.timestep, parameters.gravity, ratio),
             _arm(parameters, world),
             _surface_body() if world.surface else "",
             "</worldbody>",
             _surface_pair(world) if world.surface else "",
-            "<actuator>"
-            + "".join(f'<motor name="{name}" joint="{name}"/>' for name in JOINTS)
-            + "</actuator>",
+            motors(JOINTS),
             _sensors(world),
             "</mujoco>",
         ]
@@ -80,50 +72,8 @@ def compile_model(parameters: RobotParameters, settings: PhysicsSettings) -> muj
     return mujoco.MjModel.from_xml_string(to_mjcf(parameters, settings))
 
 
-_OPTIONS = """
-<compiler angle="radian" autolimits="false"/>
-<option timestep="{timestep!r}" integrator="Euler" cone="elliptic" impratio="{ratio!r}"
-        gravity="0 0 {gravity!r}"/>
-<statistic center="0.15 -0.1 0.2" extent="1.0"/>
-<visual>
-  <headlight ambient="0.30 0.30 0.30" diffuse="0.25 0.25 0.25" specular="0.05 0.05 0.05"/>
-  <quality shadowsize="1024"/>
-  <map znear="0.01" zfar="20" shadowclip="2.5"/>
-</visual>"""
-
-_SCENERY = """
-<asset>
-  <texture name="sky" type="skybox" builtin="gradient" rgb1="0.80 0.88 0.95" rgb2="0.45 0.55 0.68"
-           width="256" height="256"/>
-  <texture name="floor" type="2d" builtin="checker" rgb1="0.62 0.64 0.66" rgb2="0.55 0.57 0.60"
-           width="256" height="256"/>
-  <material name="floor" texture="floor" texrepeat="5 5" texuniform="true" reflectance="0"/>
-  <material name="base" rgba="0.25 0.27 0.30 1" specular="0.3"/>
-  <material name="link" rgba="0.74 0.77 0.80 1" specular="0.6" shininess="0.6"/>
-  <material name="slide" rgba="0.20 0.45 0.70 1" specular="0.4"/>
-  <material name="third" rgba="0.90 0.55 0.20 1" specular="0.4"/>
-  <material name="tip" rgba="0.75 0.15 0.15 1" specular="0.4"/>
-  <material name="surface" rgba="0.35 0.75 0.50 0.30" specular="0"/>
-</asset>
-<worldbody>
-<light name="sun" pos="0.5 -0.6 2.0" dir="-0.2 0.3 -0.9" directional="true"
-       diffuse="0.55 0.55 0.55" specular="0.2 0.2 0.2"/>
-<geom name="floor" type="plane" pos="0 0 @FLOOR@" size="1.5 1.5 0.05" material="floor"
-      contype="0" conaffinity="0"/>
-<camera name="overview" pos="1.15 -1.25 0.95" xyaxes="0.78 0.62 0 -0.33 0.41 0.85" fovy="45"/>
-<camera name="top" pos="0.1 0 2.0" xyaxes="1 0 0 0 1 0" fovy="45"/>"""
-
-
-def _numbers(*values: float) -> str:
-    return " ".join(repr(float(value)) for value in values)
-
-
-def _inertial(mass: float, center: Vector3, moments: Vector3) -> str:
-    return f'<inertial mass="{mass!r}" pos="{_numbers(*center)}" diaginertia="{_numbers(*moments)}"/>'
-
-
 def _joint(parameters: RobotParameters, index: int, kind: str, axis: str, limited: bool) -> str:
-    bounds = _numbers(parameters.joint_lower[index], parameters.joint_upper[index])
+    bounds = numbers(parameters.joint_lower[index], parameters.joint_upper[index])
     return (
         f'<joint name="{JOINTS[index]}" type="{kind}" axis="{axis}" range="{bounds}"'
         f' limited="{str(limited).lower()}" solreflimit="0.004 1" solimplimit="0.95 0.99 0.001"'
@@ -132,55 +82,47 @@ def _joint(parameters: RobotParameters, index: int, kind: str, axis: str, limite
     )
 
 
-def _geom(kind: str, size: str, material: str, place: str, name: str = "") -> str:
-    label = f'name="{name}" ' if name else ""
-    return (
-        f'<geom {label}type="{kind}" size="{size}" material="{material}" {place}'
-        ' contype="0" conaffinity="0" group="1"/>'
-    )
-
-
 def _arm(parameters: RobotParameters, world: PhysicsSettings) -> str:
     g = parameters.geometry
     (m_1, m_2, m_3), (i_1, i_2, i_3) = parameters.link_mass, parameters.link_inertia
     start = g.first_link_center_of_mass - g.first_link_cylinder_length / 2
     end = start + g.first_link_cylinder_length
-    box = _numbers(g.second_link_width / 2, g.second_link_length / 2, g.second_link_height / 2)
+    box = numbers(g.second_link_width / 2, g.second_link_length / 2, g.second_link_height / 2)
     tip_y = -g.third_link_length
     shaft = tip_y + g.third_link_cylinder_length
     limited = world.joint_stops
     return "\n".join(
         [
-            _geom("cylinder", _numbers(0.045, 0.01), "base", f'pos="0 0 {FLOOR_HEIGHT + 0.01!r}"'),
-            _geom("cylinder", "0.025", "base", f'fromto="0 0 {FLOOR_HEIGHT!r} 0 0 {g.base_height - 0.03!r}"'),
+            geom("cylinder", numbers(0.045, 0.01), "base", f'pos="0 0 {FLOOR_HEIGHT + 0.01!r}"'),
+            geom("cylinder", "0.025", "base", f'fromto="0 0 {FLOOR_HEIGHT!r} 0 0 {g.base_height - 0.03!r}"'),
             f'<body name="link_1" pos="0 0 {g.base_height!r}">',
-            _inertial(m_1, (g.first_link_center_of_mass, 0.0, 0.0), i_1),
+            inertial(m_1, (g.first_link_center_of_mass, 0.0, 0.0), i_1),
             _joint(parameters, 0, "hinge", "0 0 1", limited),
-            _geom("cylinder", "0.03", "base", 'fromto="0 0 -0.03 0 0 0.03"', "hub"),
-            _geom(
+            geom("cylinder", "0.03", "base", 'fromto="0 0 -0.03 0 0 0.03"', "hub"),
+            geom(
                 "cylinder",
                 f"{g.first_link_radius!r}",
                 "link",
                 f'fromto="{start!r} 0 0 {end!r} 0 0"',
                 "link_1",
             ),
-            _geom("box", "0.03 0.045 0.03", "base", f'pos="{g.first_link_offset!r} 0 0"', "slide_housing"),
-            f'<body name="link_2" pos="{_numbers(g.first_link_offset, -g.slide_offset, 0.0)}">',
-            _inertial(m_2, (0.0, g.second_link_center_of_mass, 0.0), i_2),
+            geom("box", "0.03 0.045 0.03", "base", f'pos="{g.first_link_offset!r} 0 0"', "slide_housing"),
+            f'<body name="link_2" pos="{numbers(g.first_link_offset, -g.slide_offset, 0.0)}">',
+            inertial(m_2, (0.0, g.second_link_center_of_mass, 0.0), i_2),
             _joint(parameters, 1, "slide", "0 -1 0", limited),
-            _geom("box", box, "slide", f'pos="0 {g.second_link_length / 2!r} 0"', "slide"),
+            geom("box", box, "slide", f'pos="0 {g.second_link_length / 2!r} 0"', "slide"),
             '<body name="link_3">',
-            _inertial(m_3, (0.0, -g.third_link_center_of_mass, 0.0), i_3),
+            inertial(m_3, (0.0, -g.third_link_center_of_mass, 0.0), i_3),
             _joint(parameters, 2, "hinge", "-1 0 0", limited),
-            _geom("cylinder", "0.026", "base", 'fromto="-0.03 0 0 0.03 0 0"', "elbow"),
-            _geom(
+            geom("cylinder", "0.026", "base", 'fromto="-0.03 0 0 0.03 0 0"', "elbow"),
+            geom(
                 "cylinder",
                 f"{g.third_link_radius!r}",
                 "third",
                 f'fromto="0 {shaft!r} 0 0 {tip_y!r} 0"',
                 "link_3",
             ),
-            _geom("sphere", f"{TIP_RADIUS!r}", "tip", f'pos="0 {tip_y!r} 0"', "tip"),
+            geom("sphere", f"{TIP_RADIUS!r}", "tip", f'pos="0 {tip_y!r} 0"', "tip"),
             f'<site name="tip" pos="0 {tip_y!r} 0" size="0.005" group="4"/>',
             "</body></body></body>",
         ]
@@ -188,7 +130,7 @@ def _arm(parameters: RobotParameters, world: PhysicsSettings) -> str:
 
 
 def _surface_body() -> str:
-    return '<body name="surface">' + _geom("plane", "0.22 0.22 0.01", "surface", "", "surface") + "</body>"
+    return '<body name="surface">' + geom("plane", "0.22 0.22 0.01", "surface", "", "surface") + "</body>"
 
 
 def _surface_pair(world: PhysicsSettings) -> str:
@@ -201,7 +143,7 @@ def _surface_pair(world: PhysicsSettings) -> str:
 
 
 def _sensors(world: PhysicsSettings) -> str:
-    """Joint state, tip pose and rates in the order of the observation; then stops; then contact."""
+    """Joint state, tip pose and rates in the order of the observation; then contact; then stops."""
     q_1, q_2, q_3 = JOINTS
     position = [f'<jointpos joint="{name}"/>' for name in (q_1, q_2, q_3)]
     velocity = [f'<jointvel joint="{name}"/>' for name in (q_1, q_2, q_3)]
@@ -216,6 +158,6 @@ def _sensors(world: PhysicsSettings) -> str:
     stops = [f'<jointlimitpos joint="{name}"/>' for name in JOINTS]
     force = ['<contact geom1="tip" geom2="surface" num="1" data="force" reduce="netforce"/>']
     parts = [*position, *velocity, *pose, *rates]
-    parts += stops if world.joint_stops else []
     parts += force if world.surface else []
+    parts += stops if world.joint_stops else []
     return "<sensor>" + "".join(parts) + "</sensor>"

@@ -1,29 +1,16 @@
-"""What differs between the simulations of a batch: surfaces, masses, friction."""
+"""What differs between the simulations of a batch: the fields of the model with a value for each."""
 
 from collections.abc import Mapping
+from typing import ClassVar
 
 import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, ShapeError
-from prp_gym.physics.mjcf import TIP_RADIUS
-from prp_gym.physics.surface import Surface, friction_reference, solver_reference
 from prp_gym.robot.arrays import Array
 
 Ids = NDArray[np.intp]
-
-_SPRINGS = "surface springs"
-_FIELDS = (
-    "body_mass",
-    "body_inertia",
-    "dof_damping",
-    "dof_frictionloss",
-    "body_pos",
-    "body_quat",
-    "pair_solref",
-    "pair_solreffriction",
-)
 
 
 def check_rows(what: str, values: Array, shape: tuple[int, ...]) -> None:
@@ -36,81 +23,60 @@ def check_rows(what: str, values: Array, shape: tuple[int, ...]) -> None:
         raise ShapeError(what, np.shape(values), f"{shape}")
 
 
+def check_positive(what: str, values: Array, shape: tuple[int, ...], unit: str = "") -> None:
+    """Refuse an array of another shape or with a value that is not above 0 and finite.
+
+    Raises:
+        ShapeError: another shape.
+        InvalidValueError: such a value.
+    """
+    check_rows(what, values, shape)
+    _check_range(what, values, np.asarray(values) > 0.0, "above 0 and finite", unit)
+
+
+def check_not_negative(what: str, values: Array, shape: tuple[int, ...], unit: str = "") -> None:
+    """Refuse an array of another shape or with a value that is negative or not finite.
+
+    Raises:
+        ShapeError: another shape.
+        InvalidValueError: such a value.
+    """
+    check_rows(what, values, shape)
+    _check_range(what, values, np.asarray(values) >= 0.0, "at least 0 and finite", unit)
+
+
+def _check_range(what: str, values: Array, within: NDArray[np.bool_], allowed: str, unit: str) -> None:
+    good = np.isfinite(values) & within
+    if not good.all():
+        raise InvalidValueError(what, float(np.asarray(values)[~good][0]), allowed, unit)
+
+
 class ModelFields:
     """Fields of the model with a value a simulation; the rest is shared.
 
     Args:
         batch: whose fields these are.
+
+    Attributes:
+        names: of the fields that may differ.
     """
+
+    names: ClassVar[tuple[str, ...]]
 
     def __init__(self, batch: Batch) -> None:
         self._batch = batch
-        self._links = [batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
-        self._springs = np.full((batch.nsim, 2), np.nan)  # stiffness and damping of surfaces that were set
-
-    def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
-        """See `Physics.set_surface`; the drawn patch lies where `center` (3) [m] projects onto the plane."""
-        check_rows("surface", surface.normal, (len(ids), 3))
-        self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
-        self._calibrate(ids)
-        gap = surface.offset - TIP_RADIUS - (surface.normal * center).sum(axis=-1)
-        body = self._batch.model.body("surface").id
-        self._batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
-        self._batch.expand("body_quat")[ids, body] = surface.quaternions()
-
-    def set_dynamics(
-        self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
-    ) -> None:
-        """See `Physics.set_dynamics`."""
-        _check_numbers("mass_factor", mass_factor, len(ids), "above 0")
-        _check_numbers("viscous_friction", viscous_friction, len(ids), "at least 0")
-        _check_numbers("coulomb_friction", coulomb_friction, len(ids), "at least 0")
-        model, rows = self._batch.model, np.asarray(ids)[:, None]
-        inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
-        self._batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
-        self._batch.expand("body_inertia")[rows, self._links] = inertia
-        self._batch.expand("dof_damping")[ids] = viscous_friction
-        self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
-        self._batch.set_const(ids)
-        self._calibrate(ids[~np.isnan(self._springs[ids, 0])])
-
-    def _calibrate(self, ids: Ids) -> None:
-        """Make the contacts the springs that were set, whatever the masses now are."""
-        if len(ids) == 0:
-            return
-        weight = self._inverse_weight(ids)
-        stiffness, damping = self._springs[ids].T
-        self._batch.expand("pair_solref")[ids, 0] = solver_reference(stiffness, damping, weight)
-        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(weight)
-
-    def _inverse_weight(self, ids: Ids) -> Array:
-        """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
-        tip_body = self._links[-1]
-        own = self._batch.expanded("body_invweight0")
-        if own is None:
-            return np.full(len(ids), self._batch.model.body_invweight0[tip_body, 0])
-        return np.array(own[ids, tip_body, 0])
 
     def copy(self) -> dict[str, Array]:
         """The values of all fields that differ, by name."""
-        fields = {name: self._batch.expanded(name) for name in _FIELDS}
-        kept = {name: np.array(values) for name, values in fields.items() if values is not None}
-        return {**kept, _SPRINGS: self._springs.copy()}
+        fields = {name: self._batch.expanded(name) for name in self.names}
+        return {name: np.array(values) for name, values in fields.items() if values is not None}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Go back to what `copy` gave, shared fields to the model's values."""
-        self._springs[:] = kept[_SPRINGS]
-        for name in _FIELDS:
+        for name in self.names:
             if name in kept:
                 self._batch.expand(name)[:] = kept[name]
             elif self._batch.expanded(name) is not None:
                 self._batch.expand(name)[:] = getattr(self._batch.model, name)
         if self._batch.expanded("body_mass") is not None:
             self._batch.set_const()
-
-
-def _check_numbers(what: str, values: Array, count: int, allowed: str) -> None:
-    check_rows(what, values, (count, 3))
-    good = np.isfinite(values) & (values > 0.0 if allowed == "above 0" else values >= 0.0)
-    if not good.all():
-        raise InvalidValueError(what, float(values[~good][0]), f"{allowed} and finite")

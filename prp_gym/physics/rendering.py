@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, RenderingError, UnknownNameError
-from prp_gym.physics.mjcf import CAMERAS
+from prp_gym.physics.scene import CAMERAS
 from prp_gym.robot.arrays import Array
 
 Color = tuple[float, float, float, float]

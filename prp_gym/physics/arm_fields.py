@@ -1,0 +1,91 @@
+"""What differs between simulations of the arm: surfaces, masses, friction."""
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import numpy as np
+from mujoco.batch import Batch
+
+from prp_gym.physics.mjcf import TIP_RADIUS
+from prp_gym.physics.model_fields import Ids, ModelFields, check_not_negative, check_positive, check_rows
+from prp_gym.physics.surface import Surface, friction_reference, solver_reference
+from prp_gym.robot.arrays import Array
+
+_SPRINGS = "surface springs"
+
+
+class ArmFields(ModelFields):
+    """Fields of the arm's model with a value a simulation.
+
+    Args:
+        batch: whose fields these are.
+    """
+
+    names: ClassVar[tuple[str, ...]] = (
+        "body_mass",
+        "body_inertia",
+        "dof_damping",
+        "dof_frictionloss",
+        "body_pos",
+        "body_quat",
+        "pair_solref",
+        "pair_solreffriction",
+    )
+
+    def __init__(self, batch: Batch) -> None:
+        super().__init__(batch)
+        self._links = [batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
+        self._springs = np.full((batch.nsim, 2), np.nan)  # stiffness and damping of surfaces that were set
+
+    def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
+        """See `Physics.set_surface`; the drawn patch lies where `center` (3) [m] projects onto the plane."""
+        check_rows("surface", surface.normal, (len(ids), 3))
+        self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
+        self._calibrate(ids)
+        gap = surface.offset - TIP_RADIUS - (surface.normal * center).sum(axis=-1)
+        body = self._batch.model.body("surface").id
+        self._batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
+        self._batch.expand("body_quat")[ids, body] = surface.quaternions()
+
+    def set_dynamics(
+        self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
+    ) -> None:
+        """See `Physics.set_dynamics`."""
+        shape = (len(ids), 3)
+        check_positive("mass_factor", mass_factor, shape)
+        check_not_negative("viscous_friction", viscous_friction, shape)
+        check_not_negative("coulomb_friction", coulomb_friction, shape)
+        model, rows = self._batch.model, np.asarray(ids)[:, None]
+        inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
+        self._batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
+        self._batch.expand("body_inertia")[rows, self._links] = inertia
+        self._batch.expand("dof_damping")[ids] = viscous_friction
+        self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
+        self._batch.set_const(ids)
+        self._calibrate(ids[~np.isnan(self._springs[ids, 0])])
+
+    def _calibrate(self, ids: Ids) -> None:
+        """Make the contacts the springs that were set, whatever the masses now are."""
+        if len(ids) == 0:
+            return
+        weight = self._inverse_weight(ids)
+        stiffness, damping = self._springs[ids].T
+        self._batch.expand("pair_solref")[ids, 0] = solver_reference(stiffness, damping, weight)
+        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(weight)
+
+    def _inverse_weight(self, ids: Ids) -> Array:
+        """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
+        tip_body = self._links[-1]
+        own = self._batch.expanded("body_invweight0")
+        if own is None:
+            return np.full(len(ids), self._batch.model.body_invweight0[tip_body, 0])
+        return np.array(own[ids, tip_body, 0])
+
+    def copy(self) -> dict[str, Array]:
+        """The values of all fields that differ, by name, and of the springs."""
+        return {**super().copy(), _SPRINGS: self._springs.copy()}
+
+    def restore(self, kept: Mapping[str, Array]) -> None:
+        """Go back to what `copy` gave."""
+        self._springs[:] = kept[_SPRINGS]
+        super().restore(kept)

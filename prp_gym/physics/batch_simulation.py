@@ -1,0 +1,258 @@
+"""`Simulation`: many simulations of one robot at once, which answer named questions."""
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, NamedTuple
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
+from prp_gym.robot.arrays import Array
+
+_BAD_STATE = slice(int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1)
+_PERSISTENT_UP_TO = 128  # simulations: beyond it one MjData each no longer fits the caches and is slower
+
+NO_COLUMNS = slice(0, 0)
+"""Of what a world does not have."""
+
+
+class SensorLayout(NamedTuple):
+    """What a world's sensors are; they begin with joint position and joint velocity.
+
+    Attributes:
+        gain: (k) of the measurement, which is gain·sensors + offset of the first k sensors.
+        offset: (k) of the measurement.
+        tip_position: columns.
+        contact_force: columns, or `NO_COLUMNS` where there is no contact.
+        stop_violation: columns, or `NO_COLUMNS` where there are no joint stops.
+    """
+
+    gain: Array
+    offset: Array
+    tip_position: slice
+    contact_force: slice
+    stop_violation: slice
+
+
+class PhysicsState(NamedTuple):
+    """All that determines how the simulations go on; see `Simulation.snapshot`."""
+
+    integration: Array
+    warnings: NDArray[np.int32]
+    model_fields: dict[str, Array]
+
+
+class Simulation(ABC):
+    """N simulations of a robot on MuJoCo's native batch; a single environment has N = 1.
+
+    Answers are read-only arrays with N rows that are current after `reset` and `advance`; they change
+    with the simulations, so copy what is to be kept. The same
+    torques give the same bits for any N and any number of threads.
+
+    Args:
+        num_simulations: N, at least 1.
+        num_threads: worker threads; 0 takes all cores.
+
+    Attributes:
+        joint_count: n of the shapes below; units are those of the robot's joints.
+        measurement_size: columns of `measurement`.
+
+    Raises:
+        InvalidValueError: fewer than one simulation.
+    """
+
+    joint_count: ClassVar[int]
+    _constructor_attributes: ClassVar[tuple[str, ...]]
+    """What a subclass was made from besides the numbers of simulations and threads."""
+
+    def __init__(self, num_simulations: int, num_threads: int) -> None:
+        if num_simulations < 1:
+            raise InvalidValueError("num_simulations", num_simulations, "at least 1")
+        self.num_simulations = num_simulations
+        self.num_threads = num_threads
+        self._build()
+
+    @abstractmethod
+    def _compile(self) -> mujoco.MjModel:
+        """The model."""
+
+    @abstractmethod
+    def _sensor_layout(self) -> SensorLayout:
+        """What the model's sensors are."""
+
+    @abstractmethod
+    def _make_fields(self, batch: Batch) -> ModelFields:
+        """What may differ between simulations."""
+
+    def _build(self) -> None:
+        model, layout, count = self._compile(), self._sensor_layout(), self.num_simulations
+        self._batch = Batch(model, count, self.num_threads, persistent=count <= _PERSISTENT_UP_TO)
+        self._position: Array = self._batch.bind("qpos")
+        self._velocity: Array = self._batch.bind("qvel")
+        self._torque: Array = self._batch.bind("ctrl")
+        self._applied: Array = self._torque.view()
+        self._applied.flags.writeable = False
+        self._sensors: Array = self._batch.bind("sensordata")
+        self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # how often
+        self.measurement_size = len(layout.gain)
+        self._measured = self._sensors[:, : self.measurement_size]
+        self._gain, self._offset = np.tile(layout.gain, (count, 1)), np.tile(layout.offset, (count, 1))
+        self._joint_position: Array = self._sensors[:, : self.joint_count]
+        self._joint_velocity: Array = self._sensors[:, self.joint_count : 2 * self.joint_count]
+        self._tip_position: Array = self._sensors[:, layout.tip_position]
+        self._contact_force = self._answer(layout.contact_force, 3)
+        self._stop_violation = self._answer(layout.stop_violation, self.joint_count)
+        self._fields = self._make_fields(self._batch)
+        stages = mujoco.mjtStage
+        in_contact = layout.contact_force != NO_COLUMNS
+        self._stage = int(stages.mjSTAGE_ACC if in_contact else stages.mjSTAGE_VEL)
+        self._timestep = float(model.opt.timestep)
+        self._batch.reset(stage=self._stage)
+
+    def _answer(self, columns: slice, width: int) -> Array:
+        """A view of sensors, or zeros where a world has none of that kind."""
+        if columns != NO_COLUMNS:
+            view: Array = self._sensors[:, columns]
+            return view
+        nothing = np.zeros((self.num_simulations, width))
+        nothing.flags.writeable = False
+        return nothing
+
+    @property
+    def timestep(self) -> float:
+        """Duration of one substep [s]."""
+        return self._timestep
+
+    @property
+    def measurement(self) -> Array:
+        """(N, measurement_size), new: joint position (n), joint velocity (n), and what a world adds."""
+        values = np.empty((self.num_simulations, self.measurement_size))
+        self.measure(values)
+        return values
+
+    def measure(self, out: Array) -> None:
+        """Write `measurement` into an array (N, measurement_size)."""
+        np.multiply(self._measured, self._gain, out=out)
+        np.add(out, self._offset, out=out)
+
+    @property
+    def joint_position(self) -> Array:
+        """(N, n) [rad, or m where a joint slides]."""
+        return self._joint_position
+
+    @property
+    def joint_velocity(self) -> Array:
+        """(N, n) [rad/s, or m/s where a joint slides]."""
+        return self._joint_velocity
+
+    @property
+    def tip_position(self) -> Array:
+        """(N, 3) in the world frame [m]."""
+        return self._tip_position
+
+    @property
+    def contact_force(self) -> Array:
+        """(N, 3) force by the tip on the surface, world frame [N]; zero without contact or surface."""
+        return self._contact_force
+
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """(N,), whether MuJoCo met a value that is not finite, or huge, since the last `reset`.
+
+        MuJoCo then puts the simulation back to its home position, at rest and without torques.
+        """
+        flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != 0, axis=1)
+        return flags
+
+    @property
+    def any_unstable(self) -> bool:
+        """Whether any simulation is `unstable`; faster than asking for each."""
+        return bool(np.count_nonzero(self._warnings))
+
+    @property
+    def stop_violation(self) -> Array:
+        """(N, n) how far joints are beyond their stops, negative; 0 within, and without stops."""
+        return self._stop_violation
+
+    @property
+    def joints_at_stop(self) -> NDArray[np.bool_]:
+        """(N, n), whether a joint is beyond its stop."""
+        touching: NDArray[np.bool_] = self._stop_violation != 0.0
+        return touching
+
+    @property
+    def torque(self) -> Array:
+        """(N, n) joint torques that act until they are set anew [N m, or N where a joint slides]."""
+        return self._applied
+
+    def set_torque(self, torque: Array) -> None:
+        """Joint torques that act from now on (N, n); the caller vouches for finite values."""
+        self._torque[:] = torque
+
+    def advance(self, substeps: int) -> None:
+        """Integrate every simulation over a number of time steps, at least 1; all answers are current."""
+        self._batch.step(nstep=substeps, stage=self._stage)
+
+    def reset(self, ids: Ids, joint_position: Array, joint_velocity: Array) -> None:
+        """Put some simulations at rest in the solver and at a given joint state.
+
+        Args:
+            ids: (k) the simulations.
+            joint_position: (k, n) [rad, or m where a joint slides].
+            joint_velocity: (k, n) [rad/s, or m/s where a joint slides].
+
+        Raises:
+            ShapeError: another shape; nothing was changed.
+            NonFiniteError: NaN or infinity in the state; nothing was changed.
+        """
+        for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
+            check_rows(what, values, (len(ids), self.joint_count))
+            if not np.isfinite(values).all():
+                raise NonFiniteError(what, np.asarray(values).tolist())
+        self._batch.reset(ids, stage=int(mujoco.mjtStage.mjSTAGE_NONE))
+        self._position[ids] = joint_position
+        self._velocity[ids] = joint_velocity
+        self._batch.forward(ids, stage=self._stage)
+
+    def snapshot(self) -> PhysicsState:
+        """Copy of all that determines how the simulations go on: state, solver's warm start, models."""
+        return PhysicsState(np.array(self._batch.state), self._batch.warning.copy(), self._fields.copy())
+
+    def restore(self, state: PhysicsState) -> None:
+        """Go back to a snapshot, bit for bit.
+
+        Raises:
+            InvalidValueError: the snapshot is of another number of simulations, or of another robot.
+        """
+        if state.integration.shape != self._batch.state.shape:
+            raise InvalidValueError(
+                "snapshot's state shape", state.integration.shape, f"{self._batch.state.shape}"
+            )
+        self._fields.restore(state.model_fields)
+        self._batch.state[:] = state.integration
+        self._batch.forward(stage=self._stage)
+        self._batch.state[:] = state.integration
+        self._batch.warning[:] = state.warnings
+
+    def model(self, simulation: int = 0) -> mujoco.MjModel:
+        """A copy of one simulation's model, with what is its own, for rendering or study."""
+        return self._batch.get_model(simulation)
+
+    def data(self, simulation: int = 0) -> mujoco.MjData:
+        """A copy of one simulation's current data, all fields computed, for rendering or study."""
+        data = self._batch.get_data(simulation)
+        mujoco.mj_forward(self._batch.get_model(simulation), data)
+        return data
+
+    def __getstate__(self) -> dict[str, Any]:
+        names = (*self._constructor_attributes, "num_simulations", "num_threads")
+        return {name: getattr(self, name) for name in names} | {"snapshot": self.snapshot()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        snapshot = state.pop("snapshot")
+        self.__dict__.update(state)
+        self._build()
+        self.restore(snapshot)

@@ -1,0 +1,38 @@
+"""What differs between simulations of the link: inertia, friction, moment of its weight."""
+
+from typing import ClassVar
+
+from mujoco.batch import Batch
+
+from prp_gym.physics.link_mjcf import mass_distribution
+from prp_gym.physics.model_fields import Ids, ModelFields, check_not_negative, check_positive
+from prp_gym.robot.arrays import Array
+
+
+class LinkFields(ModelFields):
+    """Fields of the link's model with a value a simulation.
+
+    Args:
+        batch: whose fields these are.
+    """
+
+    names: ClassVar[tuple[str, ...]] = ("body_mass", "body_inertia", "body_ipos", "dof_damping")
+
+    def __init__(self, batch: Batch) -> None:
+        super().__init__(batch)
+        self._link = batch.model.body("link_1").id
+
+    def set_parameters(
+        self, ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array
+    ) -> None:
+        """See `LinkPhysics.set_parameters`."""
+        shape = (len(ids),)
+        check_positive("inertia", inertia, shape, "kg·m²")
+        check_not_negative("viscous_friction", viscous_friction, shape, "N·m·s/rad")
+        check_not_negative("gravity_moment", gravity_moment, shape, "N·m")
+        mass, center, moment = mass_distribution(inertia, gravity_moment)
+        self._batch.expand("body_mass")[ids, self._link] = mass
+        self._batch.expand("body_ipos")[ids, self._link] = center
+        self._batch.expand("body_inertia")[ids, self._link] = moment[:, None]
+        self._batch.expand("dof_damping")[ids, 0] = viscous_friction
+        self._batch.set_const(ids)

@@ -1,0 +1,83 @@
+"""`LinkPhysics`: simulations of the one-joint link."""
+
+from typing import ClassVar
+
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+
+from prp_gym.physics.batch_simulation import NO_COLUMNS, SensorLayout, Simulation
+from prp_gym.physics.link_fields import LinkFields
+from prp_gym.physics.link_mjcf import link_to_mjcf
+from prp_gym.physics.model_fields import Ids
+from prp_gym.physics.scene import check_timestep
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.link import NOMINAL_LINK, LinkParameters
+
+
+class LinkPhysics(Simulation):
+    """N simulations of the link I q̈ + F q̇ + G sin q = τ, which turns freely.
+
+    `measurement` has the columns joint position [rad] and joint velocity [rad/s]; torques are in [N m].
+    The integrator is semi-implicit Euler, implicit in the friction: with the step h,
+    (I + h F) q̇' = I q̇ + h (τ - G sin q) and then q' = q + h q̇'.
+
+    Args:
+        parameters: the link that is simulated (the plant).
+        timestep: of the integration [s].
+        num_simulations: N, at least 1.
+        num_threads: worker threads; 0 takes all cores.
+
+    Raises:
+        InvalidValueError: a timestep that is not positive, fewer than one simulation.
+
+    Source: [R] 8.1; [M] Computation, Numerical integration.
+    """
+
+    joint_count: ClassVar[int] = 1
+    _constructor_attributes: ClassVar[tuple[str, ...]] = ("parameters", "_timestep")
+    _fields: LinkFields
+
+    def __init__(
+        self,
+        parameters: LinkParameters = NOMINAL_LINK,
+        timestep: float = 0.001,
+        num_simulations: int = 1,
+        num_threads: int = 1,
+    ) -> None:
+        self.parameters = parameters
+        self._timestep = check_timestep(timestep)
+        super().__init__(num_simulations, num_threads)
+
+    def _compile(self) -> mujoco.MjModel:
+        return mujoco.MjModel.from_xml_string(link_to_mjcf(self.parameters, self._timestep))
+
+    def _make_fields(self, batch: Batch) -> LinkFields:
+        return LinkFields(batch)
+
+    def _sensor_layout(self) -> SensorLayout:
+        return SensorLayout(
+            gain=np.ones(2),
+            offset=np.zeros(2),
+            tip_position=slice(2, 5),
+            contact_force=NO_COLUMNS,
+            stop_violation=NO_COLUMNS,
+        )
+
+    def set_parameters(
+        self, ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array
+    ) -> None:
+        """Give some simulations links of their own; takes effect at the next `reset` or `advance`.
+
+        Args:
+            ids: (n) the simulations.
+            inertia: I (n) [kg m^2].
+            viscous_friction: F (n) [N m s/rad].
+            gravity_moment: G (n) [N m].
+
+        Raises:
+            ShapeError: another shape; nothing was changed.
+            InvalidValueError: an inertia that is not positive, negative friction or gravity moment, a
+                value that is not finite; nothing was changed.
+        """
+        self._fields.set_parameters(ids, inertia, viscous_friction, gravity_moment)
