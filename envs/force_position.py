@@ -26,7 +26,9 @@ class ForcePositionOptions(ForceOptions):
 
     start: str = field(
         default="goal",
-        metadata=describe("", "`goal` begins on the reference, `home` at q = 0 as the report's author ran it"),
+        metadata=describe(
+            "", "`goal` begins on the reference, `home` at q = 0 as the report's author ran it"
+        ),
     )
 
     def __post_init__(self) -> None:

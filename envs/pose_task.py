@@ -31,9 +31,7 @@ def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
     samples = trajectory.sample(time)
     if samples.shape[-1] == 18:
         return samples
-    return np.concatenate(
-        arm.pose_motion(samples[..., :3], samples[..., 3:6], samples[..., 6:]), axis=-1
-    )
+    return np.concatenate(arm.pose_motion(samples[..., :3], samples[..., 3:6], samples[..., 6:]), axis=-1)
 
 
 class PoseReferenceTask(ArmTask[StartT]):

@@ -36,9 +36,10 @@ class Rollout:
         seed: with which the episode was reset.
         period: of control [s].
         duration: that the episode was to have [s].
-        fields: observation fields by name (T + 1, size), the first row from the reset.
-        torque: commanded torques within the actuator limits (T, 3) [N m, N, N m].
-        applied_torque: torques that acted, late and noisy where the scenario says so (T, 3).
+        fields: what was true, by field name (T + 1, size), the first row from the reset; those of the
+            observation, without the errors of sensors, and those that the task judges by.
+        torque: commanded torques within the actuator limits (T, joints) [N m, N, N m].
+        applied_torque: torques that acted, late and noisy where the scenario says so (T, joints).
         reward: (T), the sum of the reward terms in `info`, whatever a wrapper makes of it [s].
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
@@ -85,7 +86,7 @@ def record_episode(
     if not hasattr(inner, "observation_layout"):
         raise InvalidValueError("env", env, "an environment of prp_gym")
     observation, _ = env.reset(seed=seed, options=options)
-    observations, torques, applied, rewards, infos, costs = [observation], [], [], [], [], []
+    truths, torques, applied, rewards, infos, costs = [inner.get_wrapper_attr("truth")], [], [], [], [], []
     state, start, terminated, truncated = None, np.array([True]), False, False
     while not (terminated or truncated):
         before = time.perf_counter()
@@ -93,7 +94,7 @@ def record_episode(
         costs.append(time.perf_counter() - before)
         observation, _, terminated, truncated, info = env.step(action)
         start = np.array([False])
-        observations.append(observation)
+        truths.append(inner.get_wrapper_attr("truth"))
         torques.append(inner.get_wrapper_attr("commanded_torque"))
         applied.append(inner.get_wrapper_attr("applied_torque"))
         rewards.append(sum(value for name, value in info.items() if name.startswith("reward_")))
@@ -104,7 +105,7 @@ def record_episode(
         seed=seed,
         period=1.0 / inner.get_wrapper_attr("control_frequency"),
         duration=float(inner.get_wrapper_attr("duration")),
-        fields=inner.get_wrapper_attr("observation_layout").split(np.array(observations)),
+        fields=inner.get_wrapper_attr("task").truth_layout.split(np.array(truths)),
         torque=np.array(torques),
         applied_torque=np.array(applied),
         reward=np.array(rewards),

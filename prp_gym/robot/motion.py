@@ -87,4 +87,8 @@ class MotionConversion(InverseKinematics):
         J_A = self.analytical_jacobian(q)
         joint_velocity = solve_least_squares(J_A, as_vectors(velocity, "velocity", 6))
         drift = apply(self.analytical_jacobian_derivative(q, joint_velocity), joint_velocity)
-        return q, joint_velocity, solve_least_squares(J_A, as_vectors(acceleration, "acceleration", 6) - drift)
+        return (
+            q,
+            joint_velocity,
+            solve_least_squares(J_A, as_vectors(acceleration, "acceleration", 6) - drift),
+        )

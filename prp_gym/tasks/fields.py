@@ -210,8 +210,6 @@ LINK_FIELDS = (
 LINK_REFERENCE_FIELDS = (
     Field.symmetric("desired_joint_position", ("rad",), "joint", POSITION_BOUND[:1], "q_d"),
     Field.symmetric("desired_joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "q̇_d"),
-    Field.symmetric(
-        "desired_joint_acceleration", ("rad/s²",), "joint", _JOINT_ACCELERATION_BOUND[:1], "q̈_d"
-    ),
+    Field.symmetric("desired_joint_acceleration", ("rad/s²",), "joint", _JOINT_ACCELERATION_BOUND[:1], "q̈_d"),
 )
 """The reference of the single link."""

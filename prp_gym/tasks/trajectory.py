@@ -147,7 +147,9 @@ class SquareAcceleration(Trajectory):
         rising, back = np.minimum(phase, 1.0), np.clip(phase - 1.0, 0.0, 2.0)
         last = np.maximum(phase - 3.0, 0.0)
         covered = rising**2 / 2 + back - back**2 / 2 - last + last**2 / 2
-        return np.concatenate([self.start + peak * quarter * covered, velocity, sign * self.magnitude], axis=-1)
+        return np.concatenate(
+            [self.start + peak * quarter * covered, velocity, sign * self.magnitude], axis=-1
+        )
 
     @property
     def is_constant(self) -> bool:
