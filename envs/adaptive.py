@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,9 @@ PLANT_OPTIONS = {
 _PATH_POINTS = 120
 
 
-def _plant_keyword(name: str) -> Any:
+def _plant(name: str) -> dict[str, str]:
     option = PLANT_OPTIONS[name]
-    return field(default=None, metadata=describe(option.unit, option.description + "; None draws it"))
+    return describe(option.unit, option.description + "; None draws it")
 
 
 @dataclass(frozen=True)
@@ -51,9 +51,9 @@ class AdaptiveOptions:
     reference_frequency: float | None = field(
         default=None, metadata=describe("Hz", "of the reference; None draws it (1 Hz in `report`)")
     )
-    inertia: float | None = _plant_keyword("inertia")
-    viscous_friction: float | None = _plant_keyword("viscous_friction")
-    gravity_moment: float | None = _plant_keyword("gravity_moment")
+    inertia: float | None = field(default=None, metadata=_plant("inertia"))
+    viscous_friction: float | None = field(default=None, metadata=_plant("viscous_friction"))
+    gravity_moment: float | None = field(default=None, metadata=_plant("gravity_moment"))
 
     def __post_init__(self) -> None:
         if self.reference not in REFERENCES:
@@ -68,11 +68,20 @@ class AdaptiveOptions:
         frequency = self.reference_frequency
         if frequency is not None and not (0.0 < frequency < np.inf):
             raise InvalidValueError("reference_frequency", frequency, "above 0 and finite", "Hz")
-        LinkParameters(**self.plant())
+        make_link(self.plant())
 
     def plant(self) -> dict[str, float]:
         """The plant's numbers that are not None, by name."""
         return {name: getattr(self, name) for name in PLANT_OPTIONS if getattr(self, name) is not None}
+
+
+def make_link(numbers: Mapping[str, float]) -> LinkParameters:
+    """The nominal link with some of its numbers replaced."""
+    return LinkParameters(
+        numbers.get("inertia", NOMINAL_LINK.inertia),
+        numbers.get("viscous_friction", NOMINAL_LINK.viscous_friction),
+        numbers.get("gravity_moment", NOMINAL_LINK.gravity_moment),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +103,7 @@ class AdaptiveTracking(Task[LinkStart]):
     environment_id = "PRP-Adaptive-v0"
     measured_fields = LINK_FIELDS
     reference_fields = LINK_REFERENCE_FIELDS
-    reset_options = {  # noqa: RUF012
+    reset_options: ClassVar = {
         "joint_position": ResetOption((1,), "rad", "initial joint position"),
         "joint_velocity": ResetOption((1,), "rad/s", "initial joint velocity"),
         **PLANT_OPTIONS,
@@ -130,7 +139,7 @@ class AdaptiveTracking(Task[LinkStart]):
         ):
             if abs(value[0]) > bound:
                 raise InvalidValueError(what, value.tolist(), f"within ±{bound:g}", "rad, rad/s")
-        plant = LinkParameters(**(numbers | self.options.plant() | given))
+        plant = make_link(numbers | self.options.plant() | given)
         return LinkStart(position, velocity, self._draw_trajectory(drawn), plant)
 
     def _draw_trajectory(self, drawn: Mapping[str, Array]) -> Trajectory:
@@ -195,9 +204,9 @@ def _tip(angle: Array) -> Array:
 class AdaptiveEnv(PRPEnv):
     """Follow a trajectory with one link whose inertia, friction and weight are unknown.
 
-    I q̈ + F q̇ + G sin q = τ, with q = 0 hanging down. Scenario `report` has I = 0.5 kg m², F = 0.15 N m s/rad and
-    G = 1.85 N m, starts hanging at rest and asks for sin 2πt rad; the others draw all of these. The nominal link,
-    which policies may know, has the report's numbers.
+    I q̈ + F q̇ + G sin q = τ, with q = 0 hanging down. Scenario `report` has I = 0.5 kg m²,
+    F = 0.15 N m s/rad and G = 1.85 N m, starts hanging at rest and asks for sin 2πt rad; the others draw all
+    of these. The nominal link, which policies may know, has the report's numbers.
     """
 
     task_class = AdaptiveTracking

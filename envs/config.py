@@ -58,7 +58,7 @@ class EnvConfig:
         default="scenario",
         metadata=describe(
             "N·m, N, N·m",
-            "actuator limits: `scenario` takes the scenario's, a number or one a joint sets them, None lifts them",
+            "actuator limits: `scenario` for the scenario's, one number or one a joint, None for no limit",
         ),
     )
     render_mode: str | None = field(

@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,9 @@ SURFACE_OPTIONS = {
 }
 
 
-def _surface_keyword(name: str) -> Any:
+def _surface(name: str) -> dict[str, str]:
     option = SURFACE_OPTIONS[name]
-    return field(default=None, metadata=describe(option.unit, option.description + "; None draws it"))
+    return describe(option.unit, option.description + "; None draws it")
 
 
 @dataclass(frozen=True)
@@ -45,10 +45,12 @@ class SurfaceOptions:
         ShapeError: a normal without three components.
     """
 
-    surface_stiffness: float | None = _surface_keyword("surface_stiffness")
-    surface_damping: float | None = _surface_keyword("surface_damping")
-    surface_normal: tuple[float, float, float] | None = _surface_keyword("surface_normal")
-    surface_offset: float | None = _surface_keyword("surface_offset")
+    surface_stiffness: float | None = field(default=None, metadata=_surface("surface_stiffness"))
+    surface_damping: float | None = field(default=None, metadata=_surface("surface_damping"))
+    surface_normal: tuple[float, float, float] | None = field(
+        default=None, metadata=_surface("surface_normal")
+    )
+    surface_offset: float | None = field(default=None, metadata=_surface("surface_offset"))
 
     def __post_init__(self) -> None:
         for name, value in self.given().items():
@@ -160,7 +162,7 @@ class ContactTask(PoseReferenceTask[ContactStart]):
     """
 
     measured_fields = (*MEASURED_FIELDS, CONTACT_FORCE)
-    reset_options = {**ARM_OPTIONS, **SURFACE_OPTIONS}
+    reset_options: ClassVar = {**ARM_OPTIONS, **SURFACE_OPTIONS}
     surface = True
 
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
 from prp_gym.envs.data import load_task_numbers
-from prp_gym.envs.loop import EpisodeLoop, InfoField, LoopState
+from prp_gym.envs.info import InfoField
+from prp_gym.envs.loop import EpisodeLoop, LoopState
 from prp_gym.errors import (
     EpisodeError,
     InvalidValueError,
@@ -19,6 +20,7 @@ from prp_gym.errors import (
     ShapeError,
     UnknownNameError,
 )
+from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import (
     FORCE_COLOR,
     NO_DISPLAY,
@@ -28,7 +30,6 @@ from prp_gym.physics.rendering import (
     WindowRenderer,
     has_display,
 )
-from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link

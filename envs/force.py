@@ -19,9 +19,9 @@ class Force(ForceTask):
 class ForceEnv(PRPEnv):
     """Press on a surface with a given force and hold the rest of the pose.
 
-    The tip starts off the surface. Scored are the force along the surface's normal, and the deviation from the
-    initial pose in the other directions. Scenario `report` starts at home, asks for 1 N along +y, and puts the
-    surface, of 5 N/m, at y = -0.44 m; with that force the slide ends on its limit, q_2 = -0.3 m.
+    The tip starts off the surface. Scored are the force along the surface's normal, and the deviation from
+    the initial pose in the other directions. Scenario `report` starts at home, asks for 1 N along +y, and
+    puts the surface, of 5 N/m, at y = -0.44 m; with that force the slide ends on its limit, q_2 = -0.3 m.
     """
 
     task_class = Force

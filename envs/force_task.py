@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class ForceTask(ContactTask):
     """Press with f_d along the surface's normal, and keep the desired pose in the other directions."""
 
     reference_fields = (*POSE_REFERENCE_FIELDS, DESIRED_FORCE)
-    reset_options = {**ContactTask.reset_options, "desired_force": _FORCE_OPTION}
+    reset_options: ClassVar = {**ContactTask.reset_options, "desired_force": _FORCE_OPTION}
 
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         super().__init__(numbers, scenario, options, period)

@@ -5,7 +5,6 @@ Everything here is written once over N; a single environment is a loop of one.
 
 import copy
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.actuators import make_actuators
 from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
+from prp_gym.envs.info import COMMON_INFO, CONTACT_INFO, InfoField
 from prp_gym.envs.reference_window import ReferenceWindow
 from prp_gym.envs.sensors import make_sensors
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
@@ -22,25 +22,15 @@ from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
-
-
-@dataclass(frozen=True)
-class InfoField:
-    """One number of `info`: its name, unit and meaning."""
-
-    name: str
-    unit: str
-    description: str
-
-
-COMMON_INFO = (
-    InfoField("cost_joint_stop", "joints", "joints beyond a stop"),
-    InfoField("cost_saturation", "joints", "joints whose action is at or beyond the actuator limit"),
-    InfoField("time", "s", "since the start of the episode"),
-)
-CONTACT_INFO = (
-    InfoField("contact_force", "N", "magnitude of the force by the tip on the surface"),
-    InfoField("cost_force_bound", "1", "whether that force is beyond the task's bound"),
+_STATE = (
+    "task",
+    "truth",
+    "commanded_torque",
+    "_actuators",
+    "_sensors",
+    "_window",
+    "_unplayable",
+    "_playable",
 )
 
 
@@ -301,6 +291,4 @@ class EpisodeLoop:
         return self._observe()
 
     def _rest(self) -> dict[str, Any]:
-        names = ("task", "truth", "commanded_torque", "_actuators", "_sensors", "_window")
-        names += ("_unplayable", "_playable")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in _STATE}

@@ -1,6 +1,6 @@
 """What the operational-space tasks share: a reference trajectory of the pose."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from prp_gym.envs.arm_task import ArmTask, StartT, TrajectoryStart
 from prp_gym.envs.reference_draws import FreeTask
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.fields import POSE_REFERENCE_FIELDS
+from prp_gym.tasks.fields import POSE_REFERENCE_FIELDS, Field
 from prp_gym.tasks.scenario import Scenario
 from prp_gym.tasks.task import TaskNumbers
 from prp_gym.tasks.trajectory import Trajectory
@@ -37,7 +37,7 @@ def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
 class PoseReferenceTask(ArmTask[StartT]):
     """A task whose reference is a motion of the pose."""
 
-    reference_fields = POSE_REFERENCE_FIELDS
+    reference_fields: ClassVar[tuple[Field, ...]] = POSE_REFERENCE_FIELDS
 
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         super().__init__(numbers, scenario, options, period)

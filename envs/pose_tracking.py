@@ -27,8 +27,8 @@ class PoseTrackingOptions(StartOptions):
         default="joint",
         metadata=describe(
             "",
-            "space in which the quintic joins the waypoints: `joint` (the arm can follow), or `pose` as in the"
-            " report (between the waypoints three joints cannot attain it)",
+            "space in which the quintic joins the waypoints: `joint` (the arm can follow), or `pose` as in"
+            " the report (between the waypoints three joints cannot attain it)",
         ),
     )
 

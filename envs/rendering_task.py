@@ -21,9 +21,9 @@ from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
 Axes = float | tuple[float, ...] | None
 
 
-def _target_keyword(what: str, unit: str) -> Any:
+def _target(what: str, unit: str) -> dict[str, str]:
     text = f"{what} of the target model: one number, six (x, y, z, α, β, γ), or None for the task's own"
-    return field(default=None, metadata=describe(unit, text))
+    return describe(unit, text)
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class StiffnessOptions(SurfaceOptions):
         ShapeError: neither one number nor six.
     """
 
-    target_stiffness: Axes = _target_keyword("stiffness K_P", "N/m, N·m/rad")
+    target_stiffness: Axes = field(default=None, metadata=_target("stiffness K_P", "N/m, N·m/rad"))
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -49,8 +49,8 @@ class StiffnessOptions(SurfaceOptions):
 class TargetOptions(StiffnessOptions):
     """The surface, and the target's inertia, damping and stiffness."""
 
-    target_inertia: Axes = _target_keyword("inertia M_d", "kg, kg·m²")
-    target_damping: Axes = _target_keyword("damping K_D", "N·s/m, N·m·s/rad")
+    target_inertia: Axes = field(default=None, metadata=_target("inertia M_d", "kg, kg·m²"))
+    target_damping: Axes = field(default=None, metadata=_target("damping K_D", "N·s/m, N·m·s/rad"))
 
 
 def _six(name: str, value: object) -> tuple[float, ...]:

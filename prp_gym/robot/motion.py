@@ -16,7 +16,7 @@ class MotionConversion(InverseKinematics):
     def pose_motion(
         self, joint_position: ArrayLike, joint_velocity: ArrayLike, joint_acceleration: ArrayLike
     ) -> tuple[Array, Array, Array]:
-        """x = k(q), ẋ = J_A q̇, ẍ = J_A q̈ + J̇_A q̇.
+        """The pose's motion x = k(q), ẋ = J_A q̇, ẍ = J_A q̈ + J̇_A q̇.
 
         Args:
             joint_position: (..., 3) [rad, m, rad].
@@ -68,7 +68,7 @@ class MotionConversion(InverseKinematics):
     def joint_motion(
         self, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
     ) -> tuple[Array, Array, Array]:
-        """q of `joint_position_of_pose`, q̇ = J_A⁺ẋ, q̈ = J_A⁺(ẍ - J̇_A q̇), with J_A at q.
+        """The joints' motion: q of `joint_position_of_pose`, q̇ = J_A⁺ẋ, q̈ = J_A⁺(ẍ - J̇_A q̇), with J_A at q.
 
         Args:
             pose: (..., 6) [m, m, m, rad, rad, rad].

@@ -71,7 +71,7 @@ class TargetModel:
         return acceleration
 
     def static_displacement(self, force: ArrayLike) -> Array:
-        """z = K_P⁻¹ h (..., 6) where the model has come to rest; 0 on axes without stiffness.
+        """The displacement K_P⁻¹ h (..., 6) where the model has come to rest; 0 on axes without stiffness.
 
         Args:
             force: h (..., 6) [N, N, N, N m, N m, N m].
