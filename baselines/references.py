@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, apply
-from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.robot.arrays import Array
 
 REFERENCE_FIELDS = (
     ("desired_joint_position", "desired_joint_velocity", "desired_joint_acceleration"),

@@ -77,7 +77,7 @@ class Settings:
         Raises:
             ShapeError: a vector of another length.
         """
-        full = {}
+        full: dict[str, Any] = {}
         for name, vector in self.vectors.items():
             value, size = getattr(self, name), sizes[vector.of]
             if value.shape not in ((), (1,), (size,)):
