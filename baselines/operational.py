@@ -1,8 +1,8 @@
 """What the operational-space laws share: the arm's model, and the measured motion of the end effector."""
 
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
-from prp_gym.baselines.policy import Baseline, ControlInterface, Observed
+from prp_gym.baselines.policy import Baseline, ControlInterface, Observed, StaticBaseline
 from prp_gym.baselines.references import PoseReference
 from prp_gym.baselines.settings import Settings
 from prp_gym.errors import InvalidValueError
@@ -10,6 +10,9 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, apply, apply_transposed, solve_least_squares
 
 SettingsT = TypeVar("SettingsT", bound=Settings)
+
+MEASURED_MOTION = ("joint_position", "joint_velocity", "end_effector_pose", "end_effector_velocity")
+"""The fields of which `ArmState` is made."""
 
 
 class ArmState(NamedTuple):
@@ -40,6 +43,8 @@ class OperationalBaseline(Baseline[SettingsT]):
     Attributes:
         arm: the model with which the law computes.
     """
+
+    measured_fields: ClassVar[tuple[str, ...]] = MEASURED_MOTION
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
         super().__init__(interface, settings)
@@ -87,3 +92,7 @@ class OperationalBaseline(Baseline[SettingsT]):
     def contact_torque(self, state: ArmState, force: Any) -> Array:
         """Jᵀh_e: the torque that holds a force (..., 3) [N] by the tip on the surface."""
         return apply_transposed(state.jacobian[..., :3, :], force)
+
+
+class OperationalStaticBaseline(OperationalBaseline[SettingsT], StaticBaseline[SettingsT]):
+    """An operational-space law that remembers nothing."""

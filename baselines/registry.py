@@ -2,14 +2,29 @@
 
 from typing import Any
 
+from prp_gym.baselines.adaptive import Adaptive
+from prp_gym.baselines.compliance import Compliance
 from prp_gym.baselines.gains import gain_sets, load_gains
+from prp_gym.baselines.impedance import Impedance
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics
 from prp_gym.baselines.joint_pd import JointPD
+from prp_gym.baselines.operational_inverse_dynamics import OperationalInverseDynamics
+from prp_gym.baselines.operational_pd import OperationalPD
 from prp_gym.baselines.policy import Baseline, ControlInterface
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tasks.fields import ObservationLayout
 
-BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in (JointPD, JointInverseDynamics)}
+_LAWS: tuple[type[Baseline[Any]], ...] = (
+    JointPD,
+    JointInverseDynamics,
+    Adaptive,
+    OperationalPD,
+    OperationalInverseDynamics,
+    Compliance,
+    Impedance,
+)
+
+BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in _LAWS}
 
 
 def list_baselines(layout: ObservationLayout | None = None) -> list[str]:

@@ -1,0 +1,70 @@
+"""Impedance control: the end effector behaves as a chosen mass, damper and spring under the contact force."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from prp_gym.baselines.operational import MEASURED_MOTION, OperationalStaticBaseline
+from prp_gym.baselines.policy import Observed
+from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class ImpedanceSettings(Settings):
+    """Numbers of `Impedance`, along the axes of the world and of the Euler angles.
+
+    Attributes:
+        inertia: M_d (6), diagonal, above 0 [kg, ..., kg m^2, ...].
+        damping: K_D (6), diagonal [N s/m, ..., N m s/rad, ...].
+        stiffness: K_P (6), diagonal [N/m, ..., N m/rad, ...].
+    """
+
+    inertia: Any
+    damping: Any
+    stiffness: Any
+
+    vectors: ClassVar = {
+        "inertia": Vector("pose", "kg (3), kg·m² (3)"),
+        "damping": Vector("pose", "N·s/m (3), N·m·s/rad (3)"),
+        "stiffness": Vector("pose", "N/m (3), N·m/rad (3)"),
+    }
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not (self.inertia > 0.0).all():
+            raise InvalidValueError("inertia", self.inertia.tolist(), "above 0", "kg (3), kg·m² (3)")
+
+
+class Impedance(OperationalStaticBaseline[ImpedanceSettings]):
+    """τ = B y + n + J_Aᵀh_A, y = J_A⁺M_d⁻¹(M_d ẍ_d + K_D (ẋ_d - ẋ) + K_P x̃ - M_d J̇_A q̇ - h_A), x̃ = x_d - x.
+
+    n = C q̇ + F_v q̇ + F_s sign(q̇) + g; h_A = (h_e, 0) is the measured force by the tip on the surface. With
+    the exact model the closed loop is J_Aᵀ(x̃¨ + M_d⁻¹(K_D x̃˙ + K_P x̃ - h_A)) = 0: along an axis that the arm
+    can move on its own it behaves as M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_A; elsewhere, as near to it as three joints
+    come, accelerations weighted equally. There a surface of stiffness K at a depth d before the reference
+    is pressed with K K_P/(K + K_P) d.
+
+    In continuous time the model M_d, K_D, K_P is stable for any positive numbers, and passive: no passive
+    surface makes it unstable. Held over a period dt, K_D dt < 2 M_d and K_P dt < 2 K_D are needed on every
+    axis; in contact with a stiffness K the force acts half a period late through the law but at once on the
+    arm, which takes about K dt (1/M_d - 1/m)/2 off the damping K_D/M_d, m being the mass of the arm along
+    the normal (1.5 kg, down to 0.26 kg): a light M_d on a stiff surface chatters.
+
+    Source: [S] 9.2.2; [R] 12, with M_d ẍ_d.
+    """
+
+    name = "impedance"
+    summary = "impedance control: mass, damper and spring, with force measurement"
+    measured_fields = (*MEASURED_MOTION, "contact_force")
+    settings_class = ImpedanceSettings
+
+    def torque(self, observed: Observed) -> Array:
+        """See the class."""
+        desired, state = self.desired(observed), self.measured(observed)
+        force = observed["contact_force"]
+        pull = self.settings.damping * (desired.velocity - state.velocity)
+        pull = pull + self.settings.stiffness * (desired.pose - state.pose)
+        pull[..., :3] -= force
+        acceleration = desired.acceleration + pull / self.settings.inertia
+        return self.resolved_torque(state, acceleration) + self.contact_torque(state, force)
