@@ -1,19 +1,29 @@
 """The classical controllers as policies, one law a file."""
 
+from prp_gym.baselines.admittance import Admittance, AdmittanceSettings
+from prp_gym.baselines.force_inner_position import ForceInnerPosition, ForceInnerPositionSettings
+from prp_gym.baselines.force_loop import ForceLoopSettings
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics, JointInverseDynamicsSettings
 from prp_gym.baselines.joint_pd import JointPD, JointPDSettings
+from prp_gym.baselines.parallel_force_position import ParallelForcePosition
 from prp_gym.baselines.policy import Baseline, ControlInterface, StaticBaseline
 from prp_gym.baselines.registry import BASELINES, list_baselines, make_baseline
 from prp_gym.baselines.settings import Settings, Vector
 
 __all__ = [
     "BASELINES",
+    "Admittance",
+    "AdmittanceSettings",
     "Baseline",
     "ControlInterface",
+    "ForceInnerPosition",
+    "ForceInnerPositionSettings",
+    "ForceLoopSettings",
     "JointInverseDynamics",
     "JointInverseDynamicsSettings",
     "JointPD",
     "JointPDSettings",
+    "ParallelForcePosition",
     "Settings",
     "StaticBaseline",
     "Vector",

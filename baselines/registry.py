@@ -2,14 +2,26 @@
 
 from typing import Any
 
+from prp_gym.baselines.admittance import Admittance
+from prp_gym.baselines.force_inner_position import ForceInnerPosition
 from prp_gym.baselines.gains import gain_sets, load_gains
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics
 from prp_gym.baselines.joint_pd import JointPD
+from prp_gym.baselines.parallel_force_position import ParallelForcePosition
 from prp_gym.baselines.policy import Baseline, ControlInterface
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tasks.fields import ObservationLayout
 
-BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in (JointPD, JointInverseDynamics)}
+BASELINES: dict[str, type[Baseline[Any]]] = {
+    law.name: law
+    for law in (
+        JointPD,
+        JointInverseDynamics,
+        Admittance,
+        ForceInnerPosition,
+        ParallelForcePosition,
+    )
+}
 
 
 def list_baselines(layout: ObservationLayout | None = None) -> list[str]:
