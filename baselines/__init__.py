@@ -1,7 +1,10 @@
 """The classical controllers as policies, one law a file."""
 
 from prp_gym.baselines.adaptive import Adaptive, AdaptiveSettings
+from prp_gym.baselines.admittance import Admittance, AdmittanceSettings
 from prp_gym.baselines.compliance import Compliance, ComplianceSettings
+from prp_gym.baselines.force_inner_position import ForceInnerPosition, ForceInnerPositionSettings
+from prp_gym.baselines.force_loop import ForceLoopSettings
 from prp_gym.baselines.impedance import Impedance, ImpedanceSettings
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics, JointInverseDynamicsSettings
 from prp_gym.baselines.joint_pd import JointPD, JointPDSettings
@@ -11,6 +14,7 @@ from prp_gym.baselines.operational_inverse_dynamics import (
     OperationalInverseDynamicsSettings,
 )
 from prp_gym.baselines.operational_pd import OperationalPD, OperationalPDSettings
+from prp_gym.baselines.parallel_force_position import ParallelForcePosition
 from prp_gym.baselines.policy import Baseline, ControlInterface, StaticBaseline
 from prp_gym.baselines.registry import BASELINES, list_baselines, make_baseline
 from prp_gym.baselines.settings import Settings, Vector
@@ -19,10 +23,15 @@ __all__ = [
     "BASELINES",
     "Adaptive",
     "AdaptiveSettings",
+    "Admittance",
+    "AdmittanceSettings",
     "Baseline",
     "Compliance",
     "ComplianceSettings",
     "ControlInterface",
+    "ForceInnerPosition",
+    "ForceInnerPositionSettings",
+    "ForceLoopSettings",
     "Impedance",
     "ImpedanceSettings",
     "JointInverseDynamics",
@@ -35,6 +44,7 @@ __all__ = [
     "OperationalPD",
     "OperationalPDSettings",
     "OperationalStaticBaseline",
+    "ParallelForcePosition",
     "Settings",
     "StaticBaseline",
     "Vector",

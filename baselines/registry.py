@@ -3,13 +3,16 @@
 from typing import Any
 
 from prp_gym.baselines.adaptive import Adaptive
+from prp_gym.baselines.admittance import Admittance
 from prp_gym.baselines.compliance import Compliance
+from prp_gym.baselines.force_inner_position import ForceInnerPosition
 from prp_gym.baselines.gains import gain_sets, load_gains
 from prp_gym.baselines.impedance import Impedance
 from prp_gym.baselines.joint_inverse_dynamics import JointInverseDynamics
 from prp_gym.baselines.joint_pd import JointPD
 from prp_gym.baselines.operational_inverse_dynamics import OperationalInverseDynamics
 from prp_gym.baselines.operational_pd import OperationalPD
+from prp_gym.baselines.parallel_force_position import ParallelForcePosition
 from prp_gym.baselines.policy import Baseline, ControlInterface
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tasks.fields import ObservationLayout
@@ -22,6 +25,9 @@ _LAWS: tuple[type[Baseline[Any]], ...] = (
     OperationalInverseDynamics,
     Compliance,
     Impedance,
+    Admittance,
+    ForceInnerPosition,
+    ParallelForcePosition,
 )
 
 BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in _LAWS}

@@ -1,0 +1,85 @@
+"""Admittance control: the desired motion gives way to the contact force, and the result is tracked."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from prp_gym.baselines.operational import OperationalBaseline
+from prp_gym.baselines.policy import ControlInterface, LawState, Observed
+from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.target_model import Displacement, TargetModel
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AdmittanceSettings(Settings):
+    """Numbers of `Admittance`.
+
+    Attributes:
+        inertia: M_t (pose) of the compliant frame, diagonal, above 0 [kg, kg, kg, kg m^2, kg m^2, kg m^2].
+        damping: K_Dt (pose), diagonal [N s/m, N s/m, N s/m, N m s/rad, N m s/rad, N m s/rad].
+        stiffness: K_Pt (pose), diagonal [N/m, N/m, N/m, N m/rad, N m/rad, N m/rad].
+        proportional_gain: K_P (pose) of the motion control, diagonal [1/s^2].
+        derivative_gain: K_D (pose) of the motion control, diagonal [1/s].
+        pseudoinverse_damping: λ of J_A⁺, in the units of J_A's singular values.
+    """
+
+    inertia: Any
+    damping: Any
+    stiffness: Any
+    proportional_gain: Any
+    derivative_gain: Any
+    pseudoinverse_damping: float = 0.0
+
+    vectors: ClassVar = {
+        "inertia": Vector("pose", "kg, kg·m²"),
+        "damping": Vector("pose", "N·s/m, N·m·s/rad"),
+        "stiffness": Vector("pose", "N/m, N·m/rad"),
+        "proportional_gain": Vector("pose", "1/s²"),
+        "derivative_gain": Vector("pose", "1/s"),
+    }
+    numbers: ClassVar = {"pseudoinverse_damping": "1 (mixed units)"}
+
+
+class Admittance(OperationalBaseline[AdmittanceSettings]):
+    """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_t + K_D (ẋ_t - ẋ) + K_P (x_t - x), x_t = x_d - z."""
+
+    name = "admittance"
+    summary = "admittance: a compliant frame driven by the contact force, tracked by inverse dynamics"
+    measured_fields = (
+        "joint_position",
+        "joint_velocity",
+        "end_effector_pose",
+        "end_effector_velocity",
+        "contact_force",
+    )
+    settings_class = AdmittanceSettings
+
+    def __init__(self, interface: ControlInterface, settings: AdmittanceSettings) -> None:
+        super().__init__(interface, settings)
+        numbers = self.settings
+        self.compliant_frame = TargetModel(
+            numbers.inertia, numbers.damping, numbers.stiffness, interface.period
+        )
+
+    def initial_state(self, observed: Observed) -> LawState:
+        """The compliant frame at rest on the desired one; see `Baseline.initial_state`."""
+        return tuple(Displacement.zero(observed["joint_position"].shape[:-1]))
+
+    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+        """See `Baseline.control`."""
+        force = observed["contact_force"]
+        h_A = np.concatenate([force, np.zeros(force.shape)], axis=-1)
+        z = Displacement(*state)
+        desired, measured = self.desired(observed), self.measured(observed)
+        K_P, K_D = self.settings.proportional_gain, self.settings.derivative_gain
+        acceleration = (
+            desired.acceleration
+            - self.compliant_frame.acceleration(z, h_A)
+            + K_D * (desired.velocity - z.rate - measured.velocity)
+            + K_P * (desired.pose - z.value - measured.pose)
+        )
+        torque = self.resolved_torque(measured, acceleration, self.settings.pseudoinverse_damping)
+        after = self.compliant_frame.advance(z, h_A, h_A)
+        return torque + self.contact_torque(measured, force), tuple(after)

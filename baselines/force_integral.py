@@ -1,0 +1,159 @@
+"""How far a force error moves the position target: by fixed gains, or by gains after the surface's stiffness."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
+from prp_gym.robot.arrays import Array
+
+Memory = tuple[Array, ...]
+
+
+class ForceError(NamedTuple):
+    """What is asked of the contact force, along one axis.
+
+    Attributes:
+        axis: n (..., 3), a unit vector into the surface, world frame; zero where no force shows one.
+        desired: n·f_d (..., 1), at least 0 [N].
+        measured: n·f_e (..., 1) by the tip on the surface [N].
+    """
+
+    axis: Array
+    desired: Array
+    measured: Array
+
+    @property
+    def value(self) -> Array:
+        """E = n·f_d - n·f_e (..., 1) [N]."""
+        return self.desired - self.measured
+
+    def along(self, vector: Array) -> Array:
+        """The component (..., 1) of a vector (..., 3) along the axis."""
+        component: Array = np.sum(self.axis * vector, axis=-1, keepdims=True)
+        return component
+
+    @classmethod
+    def of(cls, desired: Array, measured: Array) -> "ForceError":
+        """Along the desired force, or along the measured one where none is desired.
+
+        Args:
+            desired: f_d (..., 3) by the tip on the surface, world frame [N].
+            measured: f_e (..., 3), likewise [N].
+        """
+        size = np.linalg.norm(desired, axis=-1, keepdims=True)
+        along = np.where(size > 0.0, desired, measured)
+        length = np.linalg.norm(along, axis=-1, keepdims=True)
+        axis = np.divide(along, length, out=np.zeros(along.shape), where=length > 0.0)
+        return cls(axis, size, np.sum(axis * measured, axis=-1, keepdims=True))
+
+
+class ForceIntegral(ABC):
+    """The displacement x_F by which a force error moves the target of a position loop.
+
+    Its memory is a tuple of arrays (..., any size); the first is what an actuator at its limit stops.
+
+    Attributes:
+        arrays: how many they are.
+    """
+
+    arrays: ClassVar[int]
+
+    @abstractmethod
+    def begin(self, shape: tuple[int, ...]) -> Memory:
+        """The memory at the start of an episode, for leading dimensions `shape`."""
+
+    @abstractmethod
+    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+        """One control period.
+
+        Args:
+            memory: of `begin` or of the last call.
+            error: of the force.
+            tip: (..., 3) where the tip is, world frame [m].
+            origin: (..., 3) its target without displacement [m].
+
+        Returns:
+            x_F (..., 3) [m] for this period, and the memory a period later.
+        """
+
+
+@dataclass(frozen=True)
+class FixedGains(ForceIntegral):
+    """x_F = n (K_F e + K_I ∫e dt).
+
+    Attributes:
+        force_gain: K_F [m/N].
+        integral_gain: K_I [m/(N s)].
+        period: of control [s].
+    """
+
+    force_gain: float
+    integral_gain: float
+    period: float
+
+    arrays: ClassVar[int] = 1
+
+    def begin(self, shape: tuple[int, ...]) -> Memory:
+        """No displacement."""
+        return (np.zeros((*shape, 3)),)
+
+    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+        """See `ForceIntegral.step`."""
+        pull = error.axis * error.value
+        (displacement,) = memory
+        after = displacement + self.period * self.integral_gain * pull
+        return displacement + self.force_gain * pull, (after,)
+
+
+@dataclass(frozen=True)
+class ScheduledGain(ForceIntegral):
+    """ẋ_F = n ω_c e/K̂ in contact, n v before it, never faster than v.
+
+    In contact with a surface of stiffness K, e then decays as exp(-ω_c K/K̂ t): the estimate K̂ of the
+    stiffness makes the loop equally fast on all surfaces. At the touch x_F is set to where the tip is, which
+    brakes it at once: what the inner loop lags behind its target during the approach would otherwise press on.
+    There is no proportional part: e is measured with noise, which K_F e would hand to the torques.
+
+    Attributes:
+        bandwidth: ω_c [rad/s].
+        approach_speed: v [m/s].
+        contact_threshold: force from which the tip counts as touching, until half of it is left [N]; half
+            the desired force where that is less.
+        estimator: of the stiffness.
+    """
+
+    bandwidth: float
+    approach_speed: float
+    contact_threshold: float
+    estimator: StiffnessEstimator
+
+    arrays: ClassVar[int] = 2
+
+    def begin(self, shape: tuple[int, ...]) -> Memory:
+        """No displacement, no contact, and an estimator that knows nothing."""
+        return np.zeros((*shape, 4)), self.estimator.begin(shape)
+
+    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+        """See `ForceIntegral.step`."""
+        displacement, touching = memory[0][..., :3], memory[0][..., 3:] > 0.0
+        contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
+        excess = error.along(tip - origin - displacement)
+        displacement = displacement + np.where(contact & ~touching, error.axis * excess, 0.0)
+        estimate = self.estimator.update(
+            memory[1], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
+        )
+        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None])
+        after = displacement + self.estimator.period * error.axis * rate
+        return displacement, (np.concatenate([after, contact], axis=-1), estimate)
+
+    def _threshold(self, error: ForceError) -> Array:
+        half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)
+        return np.minimum(half, self.contact_threshold)
+
+    def _rate(self, error: ForceError, contact: Array, stiffness: Array) -> Array:
+        """ẋ_F along the axis (..., 1) [m/s]."""
+        e, v = error.value, self.approach_speed
+        return np.where(contact, np.clip(self.bandwidth * e / stiffness, -v, v), v * (e > 0.0))
