@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError
-from prp_gym.physics import MEASUREMENT_SIZE, Physics, PhysicsSettings, Surface
+from prp_gym.physics import Physics, PhysicsSettings, Surface
 from prp_gym.robot import NOMINAL, PRPArm
 from tests.pinocchio_model import Array, PinocchioArm
 
@@ -131,22 +131,6 @@ def test_named_answers_are_parts_of_the_measurement() -> None:
     ):
         with pytest.raises(ValueError, match="read-only"):
             answer[0, 0] = 1.0
-
-
-@pytest.mark.parametrize("stops", [True, False])
-def test_contact_force_is_measured_where_there_is_a_surface(stops: bool) -> None:
-    without = Physics(settings=PhysicsSettings(joint_stops=stops))
-    assert without.measurement_size == MEASUREMENT_SIZE == 18
-    physics = Physics(settings=PhysicsSettings(joint_stops=stops, surface=True))
-    assert physics.measurement_size == 21
-    # the slide far behind the plane, and where there are stops behind its own too
-    physics.set_surface(ONE, Surface.single(100.0, (0.0, -1.0, 0.0), 0.3))
-    physics.reset(ONE, np.array([[0.0, -0.31, 0.0]]), np.zeros((1, 3)))
-    tip = ARM.forward_kinematics((0.0, -0.31, 0.0))[1]
-    # the solver's spurious mass of 0.13 g feels the stop's push of some 100 m/s²
-    np.testing.assert_allclose(physics.measurement[0, 18:], [0.0, 100.0 * (0.3 + tip), 0.0], atol=0.05)
-    np.testing.assert_array_equal(physics.contact_force, physics.measurement[:, 18:])
-    assert physics.joints_at_stop.tolist() == [[False, stops, False]]
 
 
 def test_many_substeps_at_once_are_many_single_ones(settings: PhysicsSettings) -> None:

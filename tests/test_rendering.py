@@ -14,7 +14,7 @@ import prp_gym  # noqa: F401  # before MuJoCo: it chooses how MuJoCo draws
 import mujoco
 
 from prp_gym.errors import InvalidValueError, RenderingError, UnknownNameError
-from prp_gym.physics import CAMERAS, Physics, PhysicsSettings, Surface
+from prp_gym.physics import CAMERAS, LinkPhysics, Physics, PhysicsSettings, Surface
 from prp_gym.physics.rendering import Arrow, Ball, Mark, OffscreenRenderer, Path, WindowRenderer, check_view
 from prp_gym.physics.scene import FLOOR_HEIGHT
 from prp_gym.robot import PRPArm
@@ -179,6 +179,21 @@ def test_surface_is_drawn_where_it_was_set(drawing: None, physics: Physics) -> N
         pictures.append(renderer.draw(physics.data(), []))
         renderer.close()
     assert changed(*pictures).sum() > 50
+
+
+@pytest.mark.parametrize("camera", CAMERAS)
+def test_link_is_seen_swinging_by_both_cameras(drawing: None, camera: str) -> None:
+    link, columns = LinkPhysics(num_simulations=2), []
+    link.reset(np.arange(2), np.array([[1.0], [-1.0]]), np.zeros((2, 1)))
+    renderer = OffscreenRenderer(link.model(), WIDTH, HEIGHT, camera)
+    for row in range(2):
+        picture = renderer.draw(link.data(row), [])
+        orange = picture[..., 0] > 1.5 * picture[..., 2]
+        assert orange.sum() > 8
+        columns.append(np.nonzero(orange)[1].mean())
+    renderer.close()
+    # both cameras have the world's x axis to the right; a pixel spans 25 mm or less
+    assert columns[0] - columns[1] > 5.0
 
 
 def test_picture_may_be_larger_than_mujocos_default_buffer(drawing: None, physics: Physics) -> None:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prp_gym.errors import InvalidValueError, ShapeError
-from prp_gym.physics import PhysicsSettings, Surface
+from prp_gym.physics import MEASUREMENT_SIZE, Physics, PhysicsSettings, Surface
 from prp_gym.physics.surface import IMPEDANCE, solver_reference
 from tests.pinocchio_model import Array
 from tests.test_surface_contract import ARM, COUNT, DAMPING, OFFSET, STIFFNESS, compliance, planes, world
@@ -164,6 +164,24 @@ def test_every_array_has_one_row_for_each_simulation(name: str, values: Array) -
 def test_stiffness_without_a_row_for_each_simulation_is_refused() -> None:
     with pytest.raises(ShapeError, match="surface stiffness"):
         Surface(np.float64(1.0), np.float64(0.0), np.ones(3), np.float64(0.0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("stops", [True, False])
+def test_contact_force_is_measured_where_there_is_a_surface(stops: bool) -> None:
+    without = Physics(settings=PhysicsSettings(joint_stops=stops))
+    assert without.measurement_size == MEASUREMENT_SIZE == 18
+    physics = Physics(settings=PhysicsSettings(joint_stops=stops, surface=True))
+    assert physics.measurement_size == 21
+    # the slide far behind the plane, and where there are stops behind its own too
+    physics.set_surface(np.arange(1), Surface.single(100.0, (0.0, -1.0, 0.0), 0.3))
+    physics.reset(np.arange(1), np.array([[0.0, -0.31, 0.0]]), np.zeros((1, 3)))
+    tip = ARM.forward_kinematics((0.0, -0.31, 0.0))[1]
+    # the solver's spurious mass of 0.13 g feels the stop's push of some 100 m/s²
+    np.testing.assert_allclose(physics.measurement[0, 18:], [0.0, 100.0 * (0.3 + tip), 0.0], atol=0.05)
+    np.testing.assert_array_equal(physics.contact_force, physics.measurement[:, 18:])
+    # a difference of lengths below one
+    np.testing.assert_allclose(physics.stop_violation, [[0.0, -0.01 * stops, 0.0]], rtol=0, atol=1e-15)
+    assert physics.joints_at_stop.tolist() == [[False, stops, False]]
 
 
 def ideal_acceleration(q: Array, velocity: Array, torque: Array) -> Array:
