@@ -75,7 +75,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         if self.config.render_mode == "human" and not has_display():
             raise RenderingError(NO_DISPLAY)
         self.render_mode = self.config.render_mode
-        self._loop = EpisodeLoop(self.make_task(self.config, self.options), self.config)
+        self._loop = self.make_loop()
         self._info_names = tuple(field.name for field in self._loop.info_fields)
         self._renderer: OffscreenRenderer | WindowRenderer | None = None
         self.observation_space = self._loop.task.layout.space()
@@ -86,6 +86,11 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         """The task; the same for single and vectorised environments."""
         numbers = load_task_numbers(cls.task_class.environment_id)
         return cls.task_class(numbers, config.load_scenario(), options, 1.0 / config.control_frequency)
+
+    def make_loop(self, num_envs: int = 1, num_threads: int = 1) -> EpisodeLoop:
+        """A new loop of environments made with this one's keywords."""
+        task = self.make_task(self.config, self.options)
+        return EpisodeLoop(task, self.config, num_envs, num_threads)
 
     @property
     def observation_layout(self) -> ObservationLayout:

@@ -9,6 +9,7 @@ import gymnasium
 import numpy as np
 
 from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.batch import can_batch, record_episodes
 from prp_gym.evaluation.metrics import episode_metrics
 from prp_gym.evaluation.rollout import Policy, Rollout, record_episode
 from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
@@ -68,8 +69,10 @@ def evaluate(
     Every policy meets the same episodes under the same seeds, so that results can be paired. A
     deterministic scenario is played once: more episodes would be copies.
 
+    The episodes are played side by side, unless a wrapper changes what the policy sees or does.
+
     Args:
-        policy: with Stable-Baselines3's `predict`.
+        policy: with Stable-Baselines3's `predict`, for one observation and for several.
         env: an environment of this suite.
         episodes: how many.
         seed: of the first.
@@ -83,9 +86,15 @@ def evaluate(
     """
     check_protocol(episodes, seed)
     count = episodes_to_play(env, episodes)
+    seeds = range(int(seed), int(seed) + count)
+    if count > 1 and can_batch(env):
+        rollouts = record_episodes(policy, env, seeds)
+        for _ in seeds:
+            on_episode()
+        return Evaluation(rollouts, seed)
     rollouts = []
-    for index in range(count):
-        rollouts.append(record_episode(policy, env, int(seed) + index))
+    for own in seeds:
+        rollouts.append(record_episode(policy, env, own))
         on_episode()
     return Evaluation(rollouts, seed)
 

@@ -43,7 +43,8 @@ class Rollout:
         reward: (T), the sum of the reward terms in `info`, whatever a wrapper makes of it [s].
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
-        compute_time: of the policy (T) [s]; the only part that is not reproducible.
+        compute_time: of the policy for one action, some or all of them [s]; the only part that is not
+            reproducible.
     """
 
     environment_id: str
@@ -65,6 +66,18 @@ class Rollout:
         return np.arange(len(self.reward) + 1, dtype=np.float64) * float(self.period)
 
 
+def check_environment(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
+    """The environment itself, without its wrappers.
+
+    Raises:
+        InvalidValueError: an environment of another suite.
+    """
+    inner = env.unwrapped
+    if not hasattr(inner, "observation_layout"):
+        raise InvalidValueError("env", env, "an environment of prp_gym")
+    return inner
+
+
 def record_episode(
     policy: Policy, env: gymnasium.Env[Any, Any], seed: int, options: dict[str, Any] | None = None
 ) -> Rollout:
@@ -82,9 +95,7 @@ def record_episode(
     Raises:
         InvalidValueError: an environment of another suite.
     """
-    inner = env.unwrapped
-    if not hasattr(inner, "observation_layout"):
-        raise InvalidValueError("env", env, "an environment of prp_gym")
+    inner = check_environment(env)
     observation, _ = env.reset(seed=seed, options=options)
     truths, torques, applied, rewards, infos, costs = [inner.get_wrapper_attr("truth")], [], [], [], [], []
     state, start, terminated, truncated = None, np.array([True]), False, False

@@ -1,0 +1,118 @@
+"""Episodes of many seeds played side by side."""
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import seeding
+from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
+
+from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
+from prp_gym.robot.arrays import Array
+
+_TIMED = 64  # actions that a policy is timed on
+_TRANSPARENT = (OrderEnforcing, PassiveEnvChecker)
+
+
+def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
+    """Whether nothing but Gymnasium's own checks is wrapped around an environment of this suite."""
+    while isinstance(env, gymnasium.Wrapper):
+        if type(env) not in _TRANSPARENT:
+            return False
+        env = env.env
+    return hasattr(env, "make_loop")
+
+
+class _Recorder:
+    """What N episodes of at most T steps leave behind, time along the first axis."""
+
+    def __init__(self, loop: Any, horizon: int) -> None:
+        rows, joints = loop.num_envs, loop.joints
+        self.truth = np.empty((horizon + 1, *loop.truth.shape))
+        self.torque = np.empty((horizon, rows, joints))
+        self.applied = np.empty((horizon, rows, joints))
+        self.info = np.empty((horizon, rows, len(loop.info_fields)))
+        self.length = np.full(rows, horizon)
+        self.diverged = np.zeros(rows, dtype=np.bool_)
+        self.truth[0] = loop.truth
+
+    def take(self, index: int, loop: Any, step: Any) -> None:
+        """Keep one step; what comes after a divergence belongs to no episode."""
+        self.truth[index + 1] = loop.truth
+        self.torque[index] = loop.commanded_torque
+        self.applied[index] = loop.physics.torque
+        self.info[index] = step.info
+        first = step.terminated & ~self.diverged
+        self.length[first] = index + 1
+        self.diverged |= first
+
+
+def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> list[Rollout]:
+    """Play one episode a seed, all at once, and record them.
+
+    An episode is the one that the environment itself would play with its seed. The policy is asked for all
+    actions together, and is timed on single observations now and then.
+
+    Args:
+        policy: whose `predict` takes (N, size) observations.
+        env: an environment of this suite; wrappers are passed over.
+        seeds: of the episodes, at least one.
+
+    Returns:
+        the episodes, in the order of their seeds.
+
+    Raises:
+        InvalidValueError: an environment of another suite.
+    """
+    inner: Any = check_environment(env)
+    loop = inner.make_loop(len(seeds))
+    ids = np.arange(len(seeds))
+    rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
+    observation = loop.reset(ids, rngs, {})
+    horizon = inner.config.horizon
+    recorder, times = _Recorder(loop, horizon), []
+    state, starts = None, np.ones(len(seeds), dtype=np.bool_)
+    pauses = set(np.linspace(0, horizon - 1, _TIMED, dtype=int).tolist())
+    for index in range(horizon):
+        if index in pauses:
+            times.append(_time_one(policy, observation[0], state, starts[:1]))
+        action, state = policy.predict(observation, state, episode_start=starts, deterministic=True)
+        step = loop.step(np.asarray(action, dtype=np.float64))
+        recorder.take(index, loop, step)
+        observation, starts = step.observation, np.zeros(len(seeds), dtype=np.bool_)
+        if step.terminated.any():
+            again = np.flatnonzero(step.terminated)
+            observation, starts[again] = loop.reset(again, [rngs[row] for row in again], {}), True
+    return [_rollout(inner, loop, recorder, row, int(seeds[row]), np.array(times)) for row in ids]
+
+
+def _time_one(policy: Policy, observation: Array, state: Any, start: Any) -> float:
+    """How long a policy takes for the action of one environment [s]."""
+    own = None if state is None else tuple(part[0] for part in state)
+    before = time.perf_counter()
+    policy.predict(observation, own, episode_start=start, deterministic=True)
+    return time.perf_counter() - before
+
+
+def _rollout(inner: Any, loop: Any, recorder: _Recorder, row: int, seed: int, times: Array) -> Rollout:
+    steps = slice(0, int(recorder.length[row]))
+    info = {
+        field.name: recorder.info[steps, row, column].copy() for column, field in enumerate(loop.info_fields)
+    }
+    rewards = [values for name, values in info.items() if name.startswith("reward_")]
+    return Rollout(
+        environment_id=inner.task.environment_id,
+        scenario=inner.task.scenario.name,
+        seed=seed,
+        period=1.0 / inner.control_frequency,
+        duration=float(inner.duration),
+        fields=inner.task.truth_layout.split(recorder.truth[: steps.stop + 1, row].copy()),
+        torque=recorder.torque[steps, row].copy(),
+        applied_torque=recorder.applied[steps, row].copy(),
+        reward=np.sum(rewards, axis=0),
+        info=info,
+        diverged=bool(recorder.diverged[row]),
+        compute_time=times,
+    )
