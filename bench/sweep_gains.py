@@ -1,13 +1,15 @@
-"""The sweep that found the `tuned` gains: `python -m bench.sweep_gains`.
+"""The sweep that found the `tuned` gains: `python -m bench.sweep_gains [LAW ...]`.
 
-Gains follow from a bandwidth ω and a damping ratio ζ, the same for all joints: K_P = ω², K_D = 2ζω for
-inverse dynamics; for PD control both are multiplied by the joint's mean inertia over the joint range.
-A candidate's score is the mean over the scenarios `randomized` and `realistic`, on episodes whose seeds no
-evaluation uses: gains that look good on the nominal arm alone may chatter with a late torque. Candidates
-that do chatter, seen as torques at their limits for more than 5 % of the time, are left out.
+Gains follow from a bandwidth ω and a damping ratio ζ, the same for all joints or axes, as `CANDIDATES` says. A
+candidate's score is the mean over the scenarios `randomized` and `realistic`, on episodes whose seeds no
+evaluation uses: gains that look good on the nominal arm alone may chatter with a late torque. Candidates that do
+chatter, seen as torques at their limits for more than 5 % of the time, are left out. Impedance and admittance
+have nothing to sweep: their tasks say what they are to render.
 """
 
 import itertools
+import sys
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -18,17 +20,34 @@ from rich.progress import track
 from rich.table import Table
 
 import prp_gym
+from prp_gym.baselines import BASELINES
+from prp_gym.baselines.gains import load_gains
+from prp_gym.errors import PRPError
 from prp_gym.robot.arrays import Array
 
 FREQUENCIES = (4.0, 5.6, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0, 56.0, 80.0, 110.0, 160.0)  # rad/s
 DAMPING_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0)
-CONTROL_FREQUENCIES = (500.0, 50.0)  # Hz
 EPISODES = 12  # in each scenario
 SCENARIOS = ("randomized", "realistic")
 MOST_SATURATION = 5.0  # % of joints and steps, median over the episodes of a scenario
 FIRST_SEED = 1_000_000
-LAWS = ("joint_pd", "joint_inverse_dynamics")
 _STABLE_UP_TO = 2.0  # 2ζω dt, the double integrator's bound under zero-order hold
+
+MOTION = ("JointRegulation", "JointTracking", "PoseRegulation", "PoseTracking")
+PLACES: dict[str, tuple[str, ...]] = {
+    "joint_pd": (*MOTION, "Adaptive"),
+    "joint_inverse_dynamics": (*MOTION, "Adaptive"),
+    "adaptive": (*MOTION, "Adaptive"),
+    "operational_pd": MOTION,
+    "operational_inverse_dynamics": MOTION,
+    "compliance": ("Compliance",),
+    "admittance": ("Admittance",),
+}
+RATES = {"compliance": (500.0,), "admittance": (500.0,)}  # Hz; the others also at 50 Hz
+
+LINK_INERTIA = np.array([0.5])
+POSE_INERTIA = np.array([0.7, 0.7, 0.14, 0.15, 0.008, 0.008])
+"""Shares of the pose's axes in the joints' inertias: what J_Aᵀ makes of them is B's diagonal, roughly."""
 
 
 @cache
@@ -41,48 +60,87 @@ def mean_inertia() -> Array:
     return inertia
 
 
-def gains(law: str, frequency: float, damping_ratio: float) -> dict[str, Array]:
-    """Settings of a law for a bandwidth [rad/s] and damping ratio."""
-    inertia = mean_inertia() if law == "joint_pd" else np.ones(3)
+Candidate = Callable[[float, float, Array], Mapping[str, Array]]
+
+
+def scaled(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+    """K_P = ω² times the inertia, K_D = 2ζω times the inertia."""
     return {
         "proportional_gain": inertia * frequency**2,
-        "derivative_gain": inertia * 2 * damping_ratio * frequency,
+        "derivative_gain": inertia * 2 * ratio * frequency,
     }
 
 
-def sweep(law: str, envs: list[gymnasium.Env[Any, Any]]) -> list[tuple[float, float, float]]:
+def unscaled(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+    """K_P = ω², K_D = 2ζω: the law itself multiplies by the inertia."""
+    return scaled(frequency, ratio, np.ones(1))
+
+
+def sliding(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+    """Λ = ω, K_D = ζω times the inertia."""
+    return {"reference_gain": np.array([frequency]), "damping_gain": inertia * ratio * frequency}
+
+
+def damped(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+    """The damping alone, 2ζω times the inertia; the task says which stiffness."""
+    return {"damping": inertia * 2 * ratio * frequency}
+
+
+CANDIDATES: dict[str, Candidate] = {
+    "joint_pd": scaled,
+    "joint_inverse_dynamics": unscaled,
+    "adaptive": sliding,
+    "operational_pd": scaled,
+    "operational_inverse_dynamics": unscaled,
+    "compliance": damped,
+    "admittance": unscaled,
+}
+
+
+def inertia_of(law: str, place: str) -> Array:
+    """What a law's gains are scaled with on an environment."""
+    if place == "Adaptive":
+        return LINK_INERTIA
+    return POSE_INERTIA if "end_effector_pose" in BASELINES[law].measured_fields else mean_inertia()
+
+
+def sweep(law: str, place: str, rate: float) -> list[tuple[float, float, float]]:
     """Score, bandwidth and damping ratio of every candidate that does not chatter, best first."""
-    period = 1.0 / envs[0].get_wrapper_attr("control_frequency")
-    grid = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS]
-    candidates = [(w, z) for w, z in grid if 2.0 * z * w * period < _STABLE_UP_TO]
+    environment_id = f"PRP-{place}-v0"
+    envs = [gymnasium.make(environment_id, scenario=s, control_frequency=rate) for s in SCENARIOS]
+    inertia = inertia_of(law, place)
+    base = "tuned" if rate >= load_gains(law, "tuned", environment_id)["minimum_frequency"] else "tuned_50hz"
+    grid = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS if 2.0 * z * w / rate < _STABLE_UP_TO]
     results = []
-    for frequency, ratio in track(candidates, description=law):
-        policy = prp_gym.make_baseline(law, envs[0], "report", **gains(law, frequency, ratio))
+    for frequency, ratio in track(grid, description=f"{law} {place} {rate:g} Hz", transient=True):
+        settings: dict[str, Any] = dict(CANDIDATES[law](frequency, ratio, inertia))
+        policy = prp_gym.make_baseline(law, envs[0], base, **settings)
         evaluations = [prp_gym.evaluate(policy, env, EPISODES, FIRST_SEED) for env in envs]
         if max(float(e.median["saturation"][0]) for e in evaluations) <= MOST_SATURATION:
             mean = sum(e.score.value for e in evaluations) / len(evaluations)
             results.append((mean, frequency, ratio))
+    for env in envs:
+        env.close()
     return sorted(results, reverse=True)
 
 
-def main() -> None:
-    """Sweep the laws at every rate on every environment that they run on, and print the best candidates."""
+def main(laws: list[str]) -> None:
+    """Sweep laws at every rate on the environments that they are tuned for; print the best candidates."""
     console = Console(width=120)
-    for rate, environment_id in itertools.product(CONTROL_FREQUENCIES, prp_gym.list_envs()):
-        envs = [gymnasium.make(environment_id, scenario=s, control_frequency=rate) for s in SCENARIOS]
-        eligible = prp_gym.list_baselines(envs[0].get_wrapper_attr("observation_layout"))
-        for law in (name for name in LAWS if name in eligible):
-            title = f"{law} on {environment_id} at {rate:g} Hz"
-            table = Table(title=title, title_justify="left")
-            for header in ("score", "ω [rad/s]", "ζ", "K_P", "K_D"):
+    for law in laws or list(PLACES):
+        for place, rate in itertools.product(PLACES[law], RATES.get(law, (500.0, 50.0))):
+            table = Table(title=f"{law} on PRP-{place}-v0 at {rate:g} Hz", title_justify="left")
+            for header in ("score", "ω [rad/s]", "ζ", "gains"):
                 table.add_column(header, justify="right")
-            for score, frequency, ratio in sweep(law, envs)[:5]:
-                numbers = [np.array2string(v, precision=4) for v in gains(law, frequency, ratio).values()]
-                table.add_row(f"{score:.4f}", f"{frequency:g}", f"{ratio:g}", *numbers)
+            for score, frequency, ratio in sweep(law, place, rate)[:5]:
+                gains = CANDIDATES[law](frequency, ratio, inertia_of(law, place))
+                numbers = ", ".join(f"{n} {np.array2string(v, precision=4)}" for n, v in gains.items())
+                table.add_row(f"{score:.4f}", f"{frequency:g}", f"{ratio:g}", numbers)
             console.print(table)
-        for env in envs:
-            env.close()
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main(sys.argv[1:])
+    except (PRPError, KeyError) as error:
+        sys.exit(f"error: {error}")
