@@ -32,9 +32,10 @@ class OperationalPD(OperationalStaticBaseline[OperationalPDSettings]):
 
     In continuous time, without torque limits, and for a constant x_d that the arm can attain, x̃ = 0 is
     asymptotically stable for any positive K_P and K_D (Lyapunov function ½ q̇ᵀBq̇ + ½ x̃ᵀK_P x̃; J_A has full
-    column rank). Angles are not wrapped: joint 1 turns the way of its angle, but the spring at the tip pulls
-    it the short way round. The only equilibrium is x̃ = 0 as long as the stiffness about the axis exceeds
-    0.22 R² times that of the tip (R, the tip's distance from the axis, is at most 0.67 m). A moving
+    column rank). It need not be the only equilibrium: angles are not wrapped, so that joint 1 is turned the
+    way of its angle, while the spring at the tip pulls it the short way round. With the other joints at
+    their goals there is no second one if the stiffness of α exceeds 0.22 R² times that of the tip; R, the
+    tip's distance from joint 1's axis, is at most 0.67 m (for β and joint 3, a_3 in place of R). A moving
     reference is followed with an error, since inertia and Coriolis forces are not compensated.
 
     Held over a control period dt, the loop also needs the eigenvalues of B⁻¹J_AᵀK_D J_A dt well below 2. The

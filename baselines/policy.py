@@ -174,7 +174,7 @@ class Baseline(ABC, Generic[SettingsT]):
 
         Raises:
             ShapeError: an observation of another size, for instance behind a wrapper that changes it;
-                a state or `episode_start` of another number of environments.
+                a state of another law or number of environments; an `episode_start` of another number.
             InvalidValueError: an observation that is a dictionary.
         """
         if isinstance(observation, dict):
@@ -191,14 +191,12 @@ class Baseline(ABC, Generic[SettingsT]):
     def _begin(self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None) -> LawState:
         """The state to go on with: the last one, and a new one where an episode starts."""
         lead = observed["joint_position"].shape[:-1]
+        fresh = self.initial_state(observed)
         if not state:
-            return self.initial_state(observed)
-        for part in state:
-            if part.shape[: len(lead)] != lead:
-                raise ShapeError("state", part.shape, f"{lead} and the law's own")
+            return fresh
+        _require_like(fresh, state)
         if episode_start is None or not np.any(episode_start):
             return state
-        fresh = self.initial_state(observed)
         starts = np.asarray(episode_start, dtype=np.bool_)
         if starts.size == 1:
             starts = starts.reshape((1,) * len(lead))
@@ -236,6 +234,15 @@ class StaticBaseline(Baseline[SettingsT]):
     def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
         """See `Baseline.control`."""
         return self.torque(observed), state
+
+
+def _require_like(fresh: LawState, state: LawState) -> None:
+    """Raise unless a state has the arrays and shapes of a new one."""
+    if len(state) != len(fresh):
+        raise ShapeError("state", (len(state),), f"a tuple of {len(fresh)} arrays")
+    for new, old in zip(fresh, state, strict=True):
+        if np.shape(old) != new.shape:
+            raise ShapeError("state", np.shape(old), f"{new.shape}")
 
 
 def _references(layout: ObservationLayout, model: Model) -> References:
