@@ -147,10 +147,10 @@ def impedance(damping: float) -> tuple[Array, Array]:
     return force[:, None] * INTO, rate[:, None] * INTO
 
 
-@pytest.mark.parametrize("reference_speed", [0.0, 0.3])
+@pytest.mark.parametrize("reference_speed", [-0.3, 0.0, 0.3])
 def test_impedance_with_damping_that_starts_at_rest_injects_nothing(reference_speed: float) -> None:
     force, rate = impedance(damping=10.0)
-    desired = np.full((SAMPLES, 3), reference_speed)
+    desired = np.tile(reference_speed * INTO, (SAMPLES, 1))
     assert m.injected_energy(force, desired, desired - rate, PERIOD) == 0.0
 
 

@@ -23,7 +23,7 @@ def everything(joints: int = 3) -> Rollout:
     Joints and tip jump to their goals at the first sample, the tip over 0.5 m and 0.5 rad. It stays 7 mm
     and 0.05 rad from the model. It presses with 3 N for a tenth of a second from 0.2 s on and with the
     desired 2 N thereafter, but leaves the surface at 0.6 s for one sample; it always moves along the
-    force at 0.1 m/s, its reference rests.
+    force at 0.15 m/s, its reference at 0.05 m/s.
     """
     force = np.where(TIME < 0.195, 0.0, np.where(TIME < 0.295, 3.0, 2.0))
     force[60] = 0.0
@@ -33,9 +33,9 @@ def everything(joints: int = 3) -> Rollout:
     tip = desired - away * offset
     fields = joint_fields(jump(1)[:, :joints], reference()[:, :joints]) | {
         "end_effector_pose": tip,
-        "end_effector_velocity": constant(0.0, 0.1, 0.0, 9.0, 9.0, 9.0),
+        "end_effector_velocity": constant(0.0, 0.15, 0.0, 9.0, 9.0, 9.0),
         "desired_pose": desired,
-        "desired_velocity": np.zeros((SAMPLES, 6)),
+        "desired_velocity": constant(0.0, 0.05, 0.0, 0.0, 0.0, 0.0),
         "model_pose": tip + np.array([0.002, -0.003, 0.006, 0.03, 0.04, 0.0]),
         "contact_force": force[:, None] * np.array([0.0, 1.0, 0.0]),
         "desired_force": constant(0.0, 2.0, 0.0),
@@ -69,7 +69,7 @@ EXPECTED = {
     "peak_force": [3.0],
     "contact_losses": [1.0],
     "force_violation": [10.0],
-    # 0.1 m/s against 10·3 N and 70·2 N, a hundredth of a second each, half of the last sample
+    # 0.1 m/s ahead of the reference against 10·3 N and 70·2 N for 0.01 s each, half of the last sample
     "injected_energy": [0.1 * 0.01 * (30.0 + 140.0 - 1.0)],
     "energy": [26.0],
     "torque_rms": [10.0, 20.0, 3.0],
