@@ -18,7 +18,8 @@ from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.cli import app
 from prp_gym.envs import EnvConfig, PRPEnv
 from prp_gym.envs.data import load_scenario
-from prp_gym.evaluation.metrics import METRICS
+from prp_gym.evaluation.metric import Metric
+from prp_gym.evaluation.metrics import GROUPS
 from prp_gym.registration import ENVIRONMENTS
 from prp_gym.tasks.scenario import SCENARIOS
 
@@ -164,17 +165,31 @@ def _settings(values: dict[str, Any]) -> str:
 
 
 def metrics_page() -> str:
-    """Every metric with unit and definition."""
-    rows = [
-        (f"`{m.name}`", ", ".join(m.units), m.definition, "higher" if m.higher_is_better else "lower")
-        for m in METRICS
-    ]
+    """Every metric with unit and definition, by the kind of question that it answers."""
     text = (
-        "Joint-wise metrics have one number a joint. Tables show the interquartile mean of the score with a"
+        "A metric exists for an episode that has the fields and cost terms which it requires. Joint-wise"
+        " metrics have one number a joint. Tables show the interquartile mean of the score with a 95 %"
+        " bootstrap interval over the episodes, and medians of the rest. After a divergence only the score"
+        " and the divergence count. A settling time that was not reached is infinite.\n"
     )
-    text += " 95 % bootstrap interval over the episodes, and medians of the rest. After a divergence only the"
-    text += " score and the divergence count.\n\n"
-    return "\n".join([NOTE, "# Metrics\n", text + table(("metric", "unit", "definition", "better"), rows)])
+    parts = [NOTE, "# Metrics\n", text]
+    for heading, metrics in GROUPS.items():
+        parts += [f"## {heading}\n", table(_METRIC_HEADERS, map(_metric, metrics))]
+    return "\n".join(parts)
+
+
+_METRIC_HEADERS = ("metric", "unit", "definition", "known as", "better", "requires")
+
+
+def _metric(metric: Metric) -> tuple[str, ...]:
+    return (
+        f"`{metric.name}`",
+        ", ".join(metric.units),
+        metric.definition,
+        metric.known_as,
+        "higher" if metric.higher_is_better else "lower",
+        ", ".join(f"`{name}`" for name in metric.requires),
+    )
 
 
 def command_line_page() -> str:

@@ -1,0 +1,208 @@
+"""Metrics of the contact: the force that is wanted, the touch itself, and the energy that it takes.
+
+Forces are by the tip on the surface, in the world frame [N].
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.evaluation.metric import Metric
+from prp_gym.evaluation.response import (
+    SETTLING_BAND,
+    is_constant,
+    root_mean_square_error,
+    steady_state_error,
+    time_inside_for_good,
+)
+from prp_gym.evaluation.rollout import Rollout
+from prp_gym.robot.arrays import Array
+
+CONTACT_THRESHOLD = 1e-6
+"""Force from which the tip touches [N]: a micrometre into a surface of 1 N/m, and above all rounding."""
+
+
+def in_contact(force: Array) -> NDArray[np.bool_]:
+    """(..., T, 3) [N] -> (..., T), whether the tip touches the surface: `CONTACT_THRESHOLD` exceeded."""
+    touches: NDArray[np.bool_] = np.sqrt((force**2).sum(axis=-1)) > CONTACT_THRESHOLD
+    return touches
+
+
+def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
+    """The force in the desired force's direction, and the desired force's magnitude.
+
+    Args:
+        force: (..., T, 3) [N].
+        desired: (..., T, 3) [N].
+
+    Returns:
+        (..., T, 1) [N] each; NaN for the first where no force is desired.
+    """
+    magnitude = np.sqrt((desired**2).sum(axis=-1, keepdims=True))
+    direction = desired / np.where(magnitude > 0.0, magnitude, np.nan)
+    return (force * direction).sum(axis=-1, keepdims=True), magnitude
+
+
+def _is_force_step(desired: Array) -> NDArray[np.bool_]:
+    wanted: NDArray[np.bool_] = (desired[..., 0, :] != 0.0).any(axis=-1)
+    return wanted & is_constant(desired)
+
+
+def force_settling_time(time: Array, force: Array, desired: Array) -> Array:
+    """How long after the first touch the force enters its band, 2 % of the desired force, for good.
+
+    Args:
+        time: (T) [s].
+        force: (..., T, 3) [N].
+        desired: (..., T, 3) [N].
+
+    Returns:
+        (...) [s]; infinite if the force is outside at the end or the tip never touches, NaN if the
+        desired force changes or is zero.
+
+    Source: the settling time of step responses.
+    """
+    actual, magnitude = along_desired(force, desired)
+    outside = np.abs(magnitude - actual) > SETTLING_BAND * magnitude
+    touches = in_contact(force)
+    settled = time_inside_for_good(time, outside[..., 0]) - time[np.argmax(touches, axis=-1)]
+    settled = np.where(touches.any(axis=-1), settled, np.inf)
+    return np.where(_is_force_step(desired), settled, np.nan)
+
+
+def force_overshoot(force: Array, desired: Array) -> Array:
+    """Largest excess of the force over the desired one, as a share of it.
+
+    Args:
+        force: (..., T, 3) [N].
+        desired: (..., T, 3) [N].
+
+    Returns:
+        (...) [%], 0 without contact; NaN if the desired force changes or is zero.
+
+    Source: the overshoot of step responses.
+    """
+    defined = _is_force_step(desired)
+    actual, magnitude = along_desired(force, desired)
+    excess = np.maximum((actual - magnitude).max(axis=(-2, -1)), 0.0)
+    return np.where(defined, 100.0 * excess / np.where(defined, magnitude[..., 0, 0], 1.0), np.nan)
+
+
+def peak_force(force: Array) -> Array:
+    """Largest norm of the contact force over time: (..., T, 3) -> (...) [N]."""
+    largest: Array = np.sqrt((force**2).sum(axis=-1)).max(axis=-1)
+    return largest
+
+
+def contact_losses(force: Array) -> Array:
+    """How often the tip leaves the surface after it has touched: (..., T, 3) [N] -> (...)."""
+    touches = in_contact(force)
+    losses: Array = (touches[..., :-1] & ~touches[..., 1:]).sum(axis=-1).astype(np.float64)
+    return losses
+
+
+def injected_energy(force: Array, desired_velocity: Array, velocity: Array, period: float) -> Array:
+    """Energy that the controlled arm gave away at its tip beyond what it had received there.
+
+    The power P = h_eᵀ(ẋ_d - ẋ) flows into the arm at the tip, relative to the moving reference. With
+    E(t) = ∫ P dt by the trapezoidal rule, the result is max(0, -min E). A target impedance
+    M x̃¨ + K_D x̃˙ + K_P x̃ = h_e that starts at rest with x̃ = 0 has E(t) >= 0 and injects nothing; one
+    that starts elsewhere may return the energy that its spring held then.
+
+    Args:
+        force: (..., T, 3) by the tip on the surface, h_e [N].
+        desired_velocity: (..., T, 3) of the tip [m/s].
+        velocity: (..., T, 3) of the tip [m/s].
+        period: of control [s].
+
+    Returns:
+        (...) [J], at least 0.
+
+    Source: Hannaford 2002, the passivity observer.
+    """
+    power = (force * (desired_velocity - velocity)).sum(axis=-1)
+    energy = np.cumsum((power[..., :-1] + power[..., 1:]) / 2, axis=-1) * period
+    injected: Array = np.maximum(0.0, -energy.min(axis=-1))
+    return injected
+
+
+def _forces(rollout: Rollout) -> tuple[Array, Array]:
+    return rollout.fields["contact_force"], rollout.fields["desired_force"]
+
+
+def _injected_energy(rollout: Rollout) -> Array:
+    fields = rollout.fields
+    desired, actual = fields["desired_velocity"][..., :3], fields["end_effector_velocity"][..., :3]
+    return injected_energy(fields["contact_force"], desired, actual, rollout.period)
+
+
+_FIELDS = ("contact_force", "desired_force")
+
+FORCE_METRICS: tuple[Metric, ...] = (
+    Metric(
+        "force_rmse",
+        ("N",),
+        "root mean square of the force error along the desired force",
+        _FIELDS,
+        lambda r: root_mean_square_error(*along_desired(*_forces(r))),
+        "root mean square tracking error",
+    ),
+    Metric(
+        "steady_state_force_error",
+        ("N",),
+        "mean over the last tenth of the desired force less the force along it; where it is constant there",
+        _FIELDS,
+        lambda r: steady_state_error(*along_desired(*_forces(r))),
+        "steady-state error",
+    ),
+    Metric(
+        "force_settling_time",
+        ("s",),
+        "from the first touch until the force along the desired one is within 2 % of it for good;"
+        " constant desired forces",
+        _FIELDS,
+        lambda r: np.atleast_1d(force_settling_time(r.time, *_forces(r))),
+        "settling time of a step response",
+    ),
+    Metric(
+        "force_overshoot",
+        ("%",),
+        "largest excess of the force along the desired one over it; constant desired forces",
+        _FIELDS,
+        lambda r: np.atleast_1d(force_overshoot(*_forces(r))),
+        "overshoot of a step response",
+    ),
+)
+
+CONTACT_METRICS: tuple[Metric, ...] = (
+    Metric(
+        "peak_force",
+        ("N",),
+        "largest norm of the contact force",
+        ("contact_force",),
+        lambda r: np.atleast_1d(peak_force(r.fields["contact_force"])),
+    ),
+    Metric(
+        "contact_losses",
+        ("1",),
+        "how often the tip leaves the surface (force at most 1e-6 N) after it has touched, a wanted retreat"
+        " included",
+        ("contact_force",),
+        lambda r: np.atleast_1d(contact_losses(r.fields["contact_force"])),
+    ),
+    Metric(
+        "force_violation",
+        ("%",),
+        "share of steps at which the norm of the contact force is beyond the task's bound",
+        ("cost_force_bound",),
+        lambda r: np.atleast_1d(100.0 * r.info["cost_force_bound"].mean()),
+    ),
+    Metric(
+        "injected_energy",
+        ("J",),
+        "max(0, -min E) of E(t) = ∫ h_eᵀ(ẋ_d - ẋ) dt: what the arm gave away at its tip, relative to its"
+        " moving reference, beyond what it had received there; 0 if it is passive from rest",
+        ("contact_force", "desired_velocity", "end_effector_velocity"),
+        lambda r: np.atleast_1d(_injected_energy(r)),
+        "passivity observer (Hannaford 2002)",
+    ),
+)
