@@ -7,7 +7,6 @@ from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.rendering_task import DynamicRenderingTask, TargetOptions
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.trajectory import Trajectory
 
 REFERENCES = ("return", "hold")
 
@@ -36,11 +35,11 @@ class Admittance(DynamicRenderingTask):
 
     environment_id = "PRP-Admittance-v0"
 
-    def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
+    def way(self, waypoints: Array, intervals: Array) -> tuple[Array, Array]:
         """Behind the surface, and back where that is asked for."""
         if self.options.reference == "hold":
-            waypoints, intervals = waypoints[:-1], intervals[:-1]
-        return super().draw_reference(start, waypoints, intervals)
+            return waypoints[:-1], intervals[:-1]
+        return waypoints, intervals
 
 
 class AdmittanceEnv(PRPEnv):

@@ -182,6 +182,10 @@ class ContactTask(PoseReferenceTask[ContactStart]):
             one row.
         """
 
+    def way(self, waypoints: Array, intervals: Array) -> tuple[Array, Array]:
+        """The waypoints (K, 3) and intervals (K) that the reference takes, of those that were drawn."""
+        return waypoints, intervals
+
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
         """See `Task.draw`."""
         names = ("contact", "side", "start", "waypoints", "interval", "surface_stiffness", "surface_damping")
@@ -190,11 +194,12 @@ class ContactTask(PoseReferenceTask[ContactStart]):
         values = self.options.given() | {name: options[name] for name in SURFACE_OPTIONS if name in options}
         springs = float(drawn["surface_stiffness"][0]), float(drawn["surface_damping"][0])
         surface = make_surface(values, place.normal, place.offset, *springs)
-        before, waypoints = place.near(drawn["start"]), place.near(drawn["waypoints"].reshape(-1, 3))
+        offsets, intervals = self.way(drawn["waypoints"].reshape(-1, 3), drawn["interval"])
+        before, waypoints = place.near(drawn["start"]), place.near(offsets)
         if "goal" in options:
             check_joint_limits(self.arm, "goal", options["goal"])
             waypoints[-1] = options["goal"]
-        trajectory = self.draw_reference(options.get("joint_position", before), waypoints, drawn["interval"])
+        trajectory = self.draw_reference(options.get("joint_position", before), waypoints, intervals)
         force = self.draw_force(rng, options, surface)
         return ContactStart(*self.checked_start(before, options), trajectory, surface, force)
 

@@ -1,0 +1,189 @@
+"""Closed forms of contact against simulation, in the report's scenario.
+
+In steady contact the laws' closed loops are springs: no force depends on the control rate, so that the report's
+figures hold at 500 Hz as at 1000 Hz. Tolerances are those of the design, in percent; what the simulation itself
+leaves is stated where it is larger than rounding.
+"""
+
+from contextlib import closing
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import prp_gym
+from prp_gym.envs.contact_task import ContactPlace
+from prp_gym.evaluation.rollout import Rollout, record_episode
+from prp_gym.robot import PRPArm
+
+Array = NDArray[np.float64]
+
+COMPLIANCE, IMPEDANCE, ADMITTANCE = "PRP-Compliance-v0", "PRP-Impedance-v0", "PRP-Admittance-v0"
+FORCE, FORCE_POSITION = "PRP-Force-v0", "PRP-ForcePosition-v0"
+RATES = (500, 1000)
+
+
+def play(environment_id: str, law: str, gains: str = "report", **options: Any) -> Rollout:
+    """One episode of the report's scenario; options of the law are `integral_gain` and `origin`."""
+    settings = {name: options.pop(name) for name in ("integral_gain", "origin") if name in options}
+    with closing(gymnasium.make(environment_id, scenario="report", **options)) as env:
+        return record_episode(prp_gym.make_baseline(law, env, gains, **settings), env, seed=0)
+
+
+def final_force(rollout: Rollout) -> Array:
+    """Force by the tip on the surface at the end (3) [N]."""
+    force: Array = rollout.fields["contact_force"][-1]
+    return force
+
+
+def spring_force(stiffness: float, own: float, depth: float) -> float:
+    """Two springs in series over a depth [m]: K K_P/(K + K_P) depth [N]."""
+    return stiffness * own / (stiffness + own) * depth
+
+
+@pytest.mark.parametrize("frequency", RATES)
+@pytest.mark.parametrize(("stiffness", "printed"), [(1.0, 0.09804), (50.0, 2.5), (1000.0, 4.7619)])
+@pytest.mark.parametrize(("environment_id", "law"), [(COMPLIANCE, "compliance"), (IMPEDANCE, "impedance")])
+def test_surface_is_pressed_as_by_a_spring(
+    environment_id: str, law: str, stiffness: float, printed: float, frequency: int
+) -> None:
+    expected = spring_force(stiffness, 50.0, 0.1)
+    assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
+    rollout = play(environment_id, law, surface_stiffness=stiffness, control_frequency=frequency)
+    # 5 s leave 1e-7 of the slowest transient: the design's 0.2 % are not needed
+    np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize(("stiffness", "printed"), [(1.0, 0.0987), (50.0, 3.0), (1000.0, 6.977)])
+def test_impedance_with_the_gains_of_the_figures_presses_harder(stiffness: float, printed: float) -> None:
+    expected = spring_force(stiffness, 75.0, 0.1)
+    assert expected == pytest.approx(printed, abs=5e-4)  # the printed digits
+    rollout = play(IMPEDANCE, "impedance", "figures", surface_stiffness=stiffness)
+    # 5 s leave 1e-7 of the transient
+    np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 50.0, 1000.0])
+def test_impedance_meets_the_surface_as_the_report_plots_it(stiffness: float) -> None:
+    """Highest y of the tip, from figures 35 to 37 without their feed-forward error."""
+    rollout = play(IMPEDANCE, "impedance", "figures", surface_stiffness=stiffness, control_frequency=1000)
+    highest = {1.0: -0.34081, 50.0: -0.36760, 1000.0: -0.42863}[stiffness]
+    # a fourth-order integration of the same loop gives these digits; 1 ms steps move the peak by up to 0.1 mm
+    assert rollout.fields["end_effector_pose"][:, 1].max() == pytest.approx(highest, abs=1.2e-4)
+
+
+@pytest.mark.parametrize("frequency", RATES)
+@pytest.mark.parametrize(
+    ("stiffness", "printed"), [(1.0, 0.0476), (25.0, 0.5556), (50.0, 0.7143), (1000.0, 0.9804)]
+)
+def test_compliant_frame_gives_way_as_a_spring(stiffness: float, printed: float, frequency: int) -> None:
+    expected = spring_force(stiffness, 20.0, 0.05)
+    assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
+    rollout = play(
+        ADMITTANCE,
+        "admittance",
+        reference="hold",
+        surface_stiffness=stiffness,
+        control_frequency=frequency,
+    )
+    # the frame's slowest pole is 2.8 1/s: 3.5 s after the reference came to rest leave 5e-5 of it
+    np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("settings", "printed"),
+    [
+        ({}, 1.0),
+        ({"integral_gain": 0.0}, 0.9706),
+        ({"integral_gain": 0.0, "origin": "base"}, 1.0235),
+    ],
+)
+def test_force_comes_out_as_the_inner_loop_predicts(settings: dict[str, Any], printed: float) -> None:
+    K, K_F, f_d, x_0, x_e = 5.0, 10.0, 1.0, -0.54, -0.44
+    start = -0.1 if settings.get("origin") != "base" else -x_e
+    proportional = K * (start + K_F * f_d) / (1 + K * K_F)
+    assert x_0 - x_e == pytest.approx(-0.1)
+    expected = proportional if settings else f_d
+    assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
+    rollout = play(FORCE, "force_inner_position", torque_limit=None, duration=15.0, **settings)
+    # the PI's slow pole is K_I/K_F = 0.5 1/s: 15 s leave 6e-4 of its start of a few percent
+    np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize("frequency", RATES)
+def test_parallel_control_reaches_the_force_and_gives_up_the_position_along_it(frequency: int) -> None:
+    rollout = play(
+        FORCE_POSITION,
+        "parallel_force_position",
+        torque_limit=None,
+        duration=15.0,
+        control_frequency=frequency,
+    )
+    np.testing.assert_allclose(final_force(rollout), [0.5, 0.0, 0.0], rtol=1e-3, atol=1e-6)  # design: 0.2 %
+    surface = -(0.3 - 0.2 + 0.24 * np.cos(np.pi / 6))  # x of the pose of (-π/2, -0.2, -π/6)
+    position = rollout.fields["end_effector_pose"][-1, :3]
+    np.testing.assert_allclose(position, [surface + 0.5 / 50.0, -0.4, 0.03], atol=1e-5)  # design: 1e-4 m
+
+
+def test_parallel_control_as_run_leaves_the_joint_limits() -> None:
+    rollout = play(
+        FORCE_POSITION,
+        "parallel_force_position",
+        start="home",
+        surface_stiffness=1.0,
+        torque_limit=None,
+        duration=15.0,
+    )
+    np.testing.assert_allclose(final_force(rollout)[0], 0.5, rtol=2e-3)
+    assert rollout.fields["joint_position"][-1, 1] == pytest.approx(-0.7, abs=1e-3)  # the printed digit
+
+
+STIFFNESSES = np.logspace(0, 4, 9)
+PLACES = (-0.2, -0.15, -0.1)  # of the slide at the first touch [m]
+POSES = ((0.0, 0.0), (-1.9, 1.1), (2.4, -0.7))  # q_1 and q_3 [rad]
+DEPTH = 0.05
+GRID = [(K, place, pose) for K in STIFFNESSES for place in PLACES for pose in POSES]
+SPRINGS = {"compliance": (COMPLIANCE, 50.0), "impedance": (IMPEDANCE, 50.0), "admittance": (ADMITTANCE, 20.0)}
+
+
+def press_everywhere(environment_id: str, law: str, **options: Any) -> tuple[Array, Array]:
+    """Final forces along the inward normal [N], and final force errors, over the grid, all side by side."""
+    env: Any = gymnasium.make(environment_id, scenario="report", duration=8.0, **options).unwrapped
+    policy, loop = prp_gym.make_baseline(law, env), env.make_loop(len(GRID))
+    rngs = [np.random.default_rng(0) for _ in GRID]
+    loop.reset(np.arange(len(GRID)), rngs, {})
+    for row, (stiffness, slide, (q_1, q_3)) in enumerate(GRID):
+        place = ContactPlace(PRPArm(), np.array([q_1, slide, q_3]), -1.0)
+        before, behind = place.near(np.array([[0.0, -0.02, 0.0], [0.0, DEPTH, 0.0]]))
+        given = {
+            "joint_position": before,
+            "goal": behind,
+            "surface_normal": place.normal,
+            "surface_offset": np.array(place.offset),
+            "surface_stiffness": np.array(stiffness),
+        }
+        observation = loop.reset(np.array([row]), rngs[row : row + 1], given)
+    state, starts = None, np.ones(len(GRID), dtype=bool)
+    inward = -np.stack([ContactPlace(PRPArm(), np.array([p[0], s, p[1]]), -1.0).normal for _, s, p in GRID])
+    for _ in range(env.config.horizon):
+        action, state = policy.predict(observation, state, episode_start=starts)
+        observation, starts = (
+            loop.step(action.astype(np.float64)).observation,
+            np.zeros(len(GRID), dtype=bool),
+        )
+    force = loop.physics.contact_force
+    along = np.vecdot(force, inward)
+    return along, np.linalg.norm(force - along[:, None] * inward, axis=-1)
+
+
+@pytest.mark.parametrize("law", SPRINGS)
+def test_springs_hold_on_every_surface_at_every_place_in_every_pose(law: str) -> None:
+    environment_id, own = SPRINGS[law]
+    options = {"reference": "hold"} if law == "admittance" else {}
+    along, across = press_everywhere(environment_id, law, **options)
+    expected = [spring_force(stiffness, own, DEPTH) for stiffness, _, _ in GRID]
+    # the design's 0.2 % and, for admittance, 0.5 %; the surface's normal is at right angles to the rest
+    np.testing.assert_allclose(along, expected, rtol=5e-3 if law == "admittance" else 2e-3)
+    np.testing.assert_allclose(across, 0.0, atol=1e-9)
