@@ -10,6 +10,7 @@ from prp_gym.errors import MissingFieldError
 from prp_gym.robot.arrays import Array
 
 CONTACT_MODES = ("ignored", "compensated")
+LIMIT_MODES = ("ignored", "respected")
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,12 +21,14 @@ class OperationalInverseDynamicsSettings(Settings):
         proportional_gain: K_P (6), diagonal [1/s^2].
         derivative_gain: K_D (6), diagonal [1/s].
         contact: `compensated` adds J_Aᵀh_A for the measured contact force, `ignored` nothing.
+        joint_limits: `respected` asks no joint at its limit to go beyond it, `ignored` knows of none.
         pseudoinverse_damping: λ in J_A⁺ = (J_AᵀJ_A + λ²I)⁻¹J_Aᵀ [1]; J_A needs none.
     """
 
     proportional_gain: Any
     derivative_gain: Any
     contact: str = "ignored"
+    joint_limits: str = "ignored"
     pseudoinverse_damping: float = 0.0
 
     vectors: ClassVar = {
@@ -33,7 +36,7 @@ class OperationalInverseDynamicsSettings(Settings):
         "derivative_gain": Vector("pose", "1/s"),
     }
     numbers: ClassVar = {"pseudoinverse_damping": ""}
-    choices: ClassVar = {"contact": CONTACT_MODES}
+    choices: ClassVar = {"contact": CONTACT_MODES, "joint_limits": LIMIT_MODES}
 
 
 class OperationalInverseDynamics(OperationalStaticBaseline[OperationalInverseDynamicsSettings]):
@@ -46,7 +49,8 @@ class OperationalInverseDynamics(OperationalStaticBaseline[OperationalInverseDyn
     loop is stable near such a reference for equal positive gains; an error component that the arm cannot
     move (of a reference that it cannot attain) remains. Held over a period dt it needs, as in joint space,
     K_D dt < 2 and K_P dt < 2 K_D on every axis; the compensation, held too, and a late torque lower
-    these bounds.
+    these bounds. Far from its goal the law may drive the slide onto its stop on the way; with the joint
+    limits respected it goes on with the other joints, without it it may stay there for good.
 
     Source: [S] 8.6.2; [R] 10.
     """
@@ -68,7 +72,8 @@ class OperationalInverseDynamics(OperationalStaticBaseline[OperationalInverseDyn
             + self.settings.derivative_gain * (desired.velocity - state.velocity)
             + self.settings.proportional_gain * (desired.pose - state.pose)
         )
-        torque = self.resolved_torque(state, acceleration, self.settings.pseudoinverse_damping)
+        resolve = self.resolved_torque if self.settings.joint_limits == "ignored" else self.limited_torque
+        torque = resolve(state, acceleration, self.settings.pseudoinverse_damping)
         if self.settings.contact == "ignored":
             return torque
         return torque + self.contact_torque(state, observed["contact_force"])
