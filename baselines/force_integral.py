@@ -66,14 +66,14 @@ class ForceIntegral(ABC):
         """The memory at the start of an episode, for leading dimensions `shape`."""
 
     @abstractmethod
-    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """One control period.
 
         Args:
             memory: of `begin` or of the last call.
             error: of the force.
             tip: (..., 3) where the tip is, world frame [m].
-            origin: (..., 3) its target without displacement [m].
+            lag: (..., 3) by which the tip's motion keeps it behind its target [m].
 
         Returns:
             x_F (..., 3) [m] for this period, and the memory a period later.
@@ -100,7 +100,7 @@ class FixedGains(ForceIntegral):
         """No displacement."""
         return (np.zeros((*shape, 3)),)
 
-    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
         pull = error.axis * error.value
         (displacement,) = memory
@@ -136,12 +136,12 @@ class ScheduledGain(ForceIntegral):
         """No displacement, no contact, and an estimator that knows nothing."""
         return np.zeros((*shape, 4)), self.estimator.begin(shape)
 
-    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
         displacement, touching = memory[0][..., :3], memory[0][..., 3:] > 0.0
         contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
-        excess = error.along(tip - origin - displacement)
-        displacement = displacement + np.where(contact & ~touching, error.axis * excess, 0.0)
+        ahead = np.maximum(error.along(lag), 0.0)
+        displacement = displacement - np.where(contact & ~touching, error.axis * ahead, 0.0)
         estimate = self.estimator.update(
             memory[1], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
         )
