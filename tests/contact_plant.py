@@ -1,6 +1,6 @@
-"""A plant for the tests of the force laws, apart from the simulator: closed-form dynamics and one-sided springs."""
+"""A plant for the tests of laws in contact, apart from the simulator: the closed form and one-sided springs."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -135,9 +135,7 @@ def simulate(
     return Recording(*columns, state or ())
 
 
-def advance(
-    arm: PRPArm, q: Array, v: Array, torque: Array, wall: Wall, steps: int
-) -> tuple[Array, Array]:
+def advance(arm: PRPArm, q: Array, v: Array, torque: Array, wall: Wall, steps: int) -> tuple[Array, Array]:
     """The joints' positions and velocities (n, 3) some steps later under a held torque (n, 3)."""
     for _ in range(steps):
         velocity = np.einsum("nij,nj->ni", arm.analytical_jacobian(q)[:, :3], v)
