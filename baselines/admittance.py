@@ -43,7 +43,17 @@ class AdmittanceSettings(Settings):
 
 
 class Admittance(OperationalBaseline[AdmittanceSettings]):
-    """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_t + K_D (ẋ_t - ẋ) + K_P (x_t - x), x_t = x_d - z."""
+    """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_t + K_D (ẋ_t - ẋ) + K_P (x_t - x), x_t = x_d - z.
+
+    The compliant frame z obeys M_t z̈ + K_Dt ż + K_Pt z = h_A, h_A = (f_e, 0) by the tip on the surface, and
+    is integrated exactly with the force held over a period; ẋ_t and ẍ_t come from it, not from differences.
+    The torque hides the contact from the motion control, whose gains are therefore free of the compliance:
+    stable for all positive ones, and held over a period dt for K_D dt < 2, K_P dt² < 2 K_D dt (K_D dt < 1 if
+    torques come a period late). On a spring K the tip obeys M_t ẍ + K_Dt ẋ + (K_Pt + K) x = K_Pt x_d + K x_e,
+    stable for any K; the held force is half a period old on average, which takes about K dt/2 off K_Dt.
+
+    Source: [S] 9.3.2; [R] 13.
+    """
 
     name = "admittance"
     summary = "admittance: a compliant frame driven by the contact force, tracked by inverse dynamics"

@@ -28,7 +28,19 @@ class ForceInnerPositionSettings(ForceLoopSettings):
 
 
 class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
-    """M_d ẍ = -K_D ẋ + K_P (x_F - x) by inverse dynamics, x_F = x_0 + n (K_F e + K_I ∫e dt)."""
+    """M_d ẍ = -K_D ẋ + K_P (x_F - x) by inverse dynamics, x_F = x_0 + n (K_F e + K_I ∫e dt).
+
+    n = f_d/|f_d| points into the surface, e = n·(f_d - f_e) with f_e by the tip on the surface, x_0 is the
+    pose at the start. τ = B J_A⁺(ẍ - J̇_A q̇) + n(q, q̇) + Jᵀf_e hides the contact from the inner loop, which
+    stands alone: stable for all positive gains, and held over a period dt for K_D dt < 2 M_d (K_D dt < M_d
+    if torques come a period late). In contact with a spring K along n the loop is
+    M_d s³ + K_D s² + K_P (1 + K K_F) s + K_P K K_I: by Routh it is stable for
+    K K_I < (K_D/M_d)(1 + K K_F), without K_F for K K_I < K_D/M_d. So one K_I that is right for 50 N/m is
+    unstable on 5000 N/m, or one that is right there is a hundred times too slow on 50 N/m. The estimated
+    form puts ω_c/K̂ in place of K_I, with K_F = 0: stable for ω_c K/K̂ < K_D/M_d, however stiff the surface.
+
+    Source: [S] 9.4.1; [R] 14.
+    """
 
     name = "force_inner_position"
     summary = "force control with an inner position loop"

@@ -1,10 +1,11 @@
-"""How far a force error moves the position target: by fixed gains, or by gains after the surface's stiffness."""
+"""How far a force error moves the position target: by fixed gains, or by gains after an online estimate."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot.arrays import Array
@@ -27,7 +28,7 @@ class ForceError(NamedTuple):
 
     @property
     def value(self) -> Array:
-        """E = n·f_d - n·f_e (..., 1) [N]."""
+        """The force error e = n·f_d - n·f_e (..., 1) [N]."""
         return self.desired - self.measured
 
     def along(self, vector: Array) -> Array:
@@ -66,14 +67,14 @@ class ForceIntegral(ABC):
         """The memory at the start of an episode, for leading dimensions `shape`."""
 
     @abstractmethod
-    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """One control period.
 
         Args:
             memory: of `begin` or of the last call.
             error: of the force.
             tip: (..., 3) where the tip is, world frame [m].
-            origin: (..., 3) its target without displacement [m].
+            lag: (..., 3) by which the tip's motion keeps it behind its target [m].
 
         Returns:
             x_F (..., 3) [m] for this period, and the memory a period later.
@@ -100,7 +101,7 @@ class FixedGains(ForceIntegral):
         """No displacement."""
         return (np.zeros((*shape, 3)),)
 
-    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
         pull = error.axis * error.value
         (displacement,) = memory
@@ -110,12 +111,15 @@ class FixedGains(ForceIntegral):
 
 @dataclass(frozen=True)
 class ScheduledGain(ForceIntegral):
-    """ẋ_F = n ω_c e/K̂ in contact, n v before it, never faster than v.
+    """ẋ_F = n ω_c e/K̂ in contact, n v before it where a force is desired, and never faster than v.
 
-    In contact with a surface of stiffness K, e then decays as exp(-ω_c K/K̂ t): the estimate K̂ of the
-    stiffness makes the loop equally fast on all surfaces. At the touch x_F is set to where the tip is, which
-    brakes it at once: what the inner loop lags behind its target during the approach would otherwise press on.
-    There is no proportional part: e is measured with noise, which K_F e would hand to the torques.
+    On a surface of stiffness K the error decays as exp(-ω_c K/K̂ t): after the estimate K̂, equally fast on
+    all surfaces. At the touch x_F gives back what the inner loop lagged behind it in the approach: the tip
+    brakes at once, and what x_F holds against a disturbance stays. The force then peaks below
+    f_t + K v (dt + 1/(e ω)), e Euler's number, for an inner loop of double pole -ω and a period dt: so much
+    the approach makes unavoidable, f_t being the force at which the touch is noticed.
+    There is no proportional part: K_F e would hand the force sensor's noise to the torques. The surface is
+    taken for a spring: its damping D must stay well below K/ω_c.
 
     Attributes:
         bandwidth: ω_c [rad/s].
@@ -136,12 +140,12 @@ class ScheduledGain(ForceIntegral):
         """No displacement, no contact, and an estimator that knows nothing."""
         return np.zeros((*shape, 4)), self.estimator.begin(shape)
 
-    def step(self, memory: Memory, error: ForceError, tip: Array, origin: Array) -> tuple[Array, Memory]:
+    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
         displacement, touching = memory[0][..., :3], memory[0][..., 3:] > 0.0
         contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
-        excess = error.along(tip - origin - displacement)
-        displacement = displacement + np.where(contact & ~touching, error.axis * excess, 0.0)
+        ahead = np.maximum(error.along(lag), 0.0)
+        displacement = displacement - np.where(contact & ~touching, error.axis * ahead, 0.0)
         estimate = self.estimator.update(
             memory[1], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
         )
@@ -153,7 +157,7 @@ class ScheduledGain(ForceIntegral):
         half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)
         return np.minimum(half, self.contact_threshold)
 
-    def _rate(self, error: ForceError, contact: Array, stiffness: Array) -> Array:
+    def _rate(self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array) -> Array:
         """ẋ_F along the axis (..., 1) [m/s]."""
         e, v = error.value, self.approach_speed
         return np.where(contact, np.clip(self.bandwidth * e / stiffness, -v, v), v * (e > 0.0))

@@ -121,11 +121,13 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         measured, force = self.measured(observed), observed["contact_force"]
         error = ForceError.of(observed.get("desired_force", np.zeros(force.shape)), force)
         base = self.base_motion(observed, state, error)
+        M_d, K_D, K_P = self.settings.inertia, self.settings.derivative_gain, self.settings.proportional_gain
+        braking = K_D * (base.velocity - measured.velocity)
+        lag = np.divide(-braking, K_P, out=np.zeros(braking.shape), where=K_P > 0.0)
         count = self._integral.arrays
-        x_F, memory = self._integral.step(state[:count], error, measured.pose[..., :3], base.pose[..., :3])
+        x_F, memory = self._integral.step(state[:count], error, measured.pose[..., :3], lag[..., :3])
         position_error = base.pose - measured.pose
         position_error[..., :3] += x_F
-        M_d, K_D, K_P = self.settings.inertia, self.settings.derivative_gain, self.settings.proportional_gain
-        effort = K_D * (base.velocity - measured.velocity) + K_P * position_error
+        effort = braking + K_P * position_error
         torque = self.resolved_torque(measured, base.acceleration + effort / M_d)
         return torque + self.contact_torque(measured, force), memory + state[count:]

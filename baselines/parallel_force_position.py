@@ -7,7 +7,15 @@ from prp_gym.baselines.references import PoseReference
 
 
 class ParallelForcePosition(ForceLoop[ForceLoopSettings]):
-    """a = ẍ_d + M_d⁻¹(K_D (ẋ_d - ẋ) + K_P (x_d + x_F - x)), x_F = n (K_F e + K_I ∫e dt)."""
+    """a = ẍ_d + M_d⁻¹(K_D (ẋ_d - ẋ) + K_P (x_d + x_F - x)), x_F = n (K_F e + K_I ∫e dt).
+
+    As `ForceInnerPosition`, around the desired motion: across n = f_d/|f_d| the tip follows x_d, along n the
+    integral wins over K_P and the force is f_d at rest, x = x_d + x_F. The stability bounds are the same,
+    by Routh K K_I < (K_D/M_d)(1 + K K_F). A motion of x_d along n disturbs the force, and in the estimated
+    form must stay slower than its v.
+
+    Source: [S] 9.4.3; [R] 15.
+    """
 
     name = "parallel_force_position"
     summary = "parallel force/position control"
