@@ -214,7 +214,7 @@ def test_force_error_of_figure_46_depends_on_where_the_base_frame_is() -> None:
 
 def test_rest_of_the_parallel_control_run_is_outside_the_joint_limits() -> None:
     desired = ARM.forward_kinematics((-np.pi / 2, -0.1, -np.pi / 6))
-    wall = ARM.forward_kinematics((-np.pi / 2, -0.2, -np.pi / 6))[0]
+    wall = float(ARM.forward_kinematics((-np.pi / 2, -0.2, -np.pi / 6))[0])
     low, high = ARM.parameters.joint_lower[1], ARM.parameters.joint_upper[1]
 
     def slide(stiffness: float) -> float:

@@ -209,7 +209,7 @@ def test_printed_set_points_are_incomplete() -> None:
     overshoot = math.exp(-math.pi * K_D / 2 / math.sqrt(K_P - K_D**2 / 4))
     assert (1 + overshoot) * math.pi / 2 == pytest.approx(1.64, abs=0.005)
     assert (1 + overshoot) * math.pi > 3.2
-    # 9.1: two numbers are no configuration of three joints; the third is read from figure 23
+    # 9.1: two numbers are no configuration of three joints; the third as run by the author
     with pytest.raises(ShapeError):
         ARM.forward_kinematics([-np.pi / 3, -0.1])
     pose = ARM.forward_kinematics([-np.pi / 3, -0.1, np.pi / 2])
