@@ -10,10 +10,62 @@ from prp_gym.envs.contact_task import ContactStart
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.force_task import ForceOptions, ForceTask
 from prp_gym.errors import UnknownNameError
+from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.trajectory import QuinticWaypoints, Trajectory
 
 STARTS = ("goal", "home")
+
+
+@dataclass(frozen=True, eq=False)
+class ReachWaypoints(Trajectory):
+    """Quintic segments in q_1, the reach L = q_2 + d̄_2 + a_3 C_3 and q_3, as motions of the joints.
+
+    While q_1 and L rest and q_3 turns, the tip moves along a plane across the slide.
+
+    Attributes:
+        times: (N, K), strictly increasing [s].
+        positions: (N, K, 3) q_1 [rad], L [m], q_3 [rad].
+        slide_offset: d̄_2 (N, 1) [m].
+        third_link: a_3 (N, 1) [m].
+    """
+
+    times: Array
+    positions: Array
+    slide_offset: Array
+    third_link: Array
+
+    @classmethod
+    def through(cls, arm: PRPArm, times: Array, joints: Array) -> "ReachWaypoints":
+        """One row, at given times (K) [s] at given joint positions (K, 3) [rad, m, rad]."""
+        geometry = arm.parameters.geometry
+        d_2, a_3 = geometry.slide_offset, geometry.third_link_length
+        positions = joints.copy()
+        positions[:, 1] += d_2 + a_3 * np.cos(joints[:, 2])
+        return cls(times[None], positions[None], np.full((1, 1), d_2), np.full((1, 1), a_3))
+
+    def sample(self, time: Array) -> Array:
+        """See `Trajectory.sample`."""
+        values = QuinticWaypoints(self.times, self.positions).sample(time)
+        d_2, a_3 = self.slide_offset[:, 0], self.third_link[:, 0]
+        sine, cosine = a_3 * np.sin(values[..., 2]), a_3 * np.cos(values[..., 2])
+        rate, acceleration = values[..., 5], values[..., 8]
+        values[..., 1] -= d_2 + cosine
+        values[..., 4] += sine * rate
+        values[..., 7] += cosine * rate**2 + sine * acceleration
+        return values
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether all waypoints coincide."""
+        return not np.any(self.positions - self.positions[:, :1])
+
+    @property
+    def goal(self) -> Array:
+        """The last waypoint, (N, 3) [rad, m, rad]."""
+        goal = self.positions[:, -1].copy()
+        goal[:, 1] -= self.slide_offset[:, 0] + self.third_link[:, 0] * np.cos(goal[:, 2])
+        return goal
 
 
 @dataclass(frozen=True)
@@ -54,7 +106,7 @@ class ForcePosition(ForceTask):
     def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
         """Along the surface, from the start through the waypoints."""
         times = np.concatenate([[0.0], np.cumsum(intervals)])
-        return QuinticWaypoints(times[None], np.concatenate([start[None], waypoints])[None])
+        return ReachWaypoints.through(self.arm, times, np.concatenate([start[None], waypoints]))
 
 
 class ForcePositionEnv(PRPEnv):

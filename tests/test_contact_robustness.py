@@ -57,7 +57,9 @@ def test_law_of_the_task_is_stable_on_every_seed(environment_id: str) -> None:
         assert not rollout.diverged
         force = force_of(rollout)
         # a tip that bounces, or a loop that rings on, is on the surface and off it, or swings the force
-        assert (force > 0.0).all() or (force == 0.0).all() or environment_id == "PRP-Admittance-v0", rollout.seed
+        assert (force > 0.0).all() or (force == 0.0).all() or environment_id == "PRP-Admittance-v0", (
+            rollout.seed
+        )
         assert np.ptp(force[len(force) // 2 :]) <= 0.05 * force.max() + 0.01, rollout.seed
 
 
