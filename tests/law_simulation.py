@@ -19,9 +19,9 @@ STEP = 1e-3
 
 @dataclass(frozen=True)
 class Wall:
-    """An ideal one-sided spring at y = `place` [m], pressed from below, of a stiffness [N/m]."""
+    """An ideal one-sided spring at y = `place` [m], pressed from below; a stiffness [N/m] per row."""
 
-    stiffness: float
+    stiffness: Array | float
     place: float = -0.44
 
     def force(self, pose: Array) -> Array:

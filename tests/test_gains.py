@@ -18,12 +18,29 @@ TABLE: dict[str, dict[str, dict[str, Any]]] = tomllib.loads(
     files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8")
 )
 SETS = [(law, name) for law, sets in TABLE.items() for name in sets]
-PRINTED = {
-    ("joint_pd", "report"): ([50.0] * 3, [10.0] * 3),
-    ("joint_pd", "figures"): ([50.0, 500.0, 50.0], [15.0, 150.0, 15.0]),
-    ("joint_inverse_dynamics", "report"): ([50.0] * 3, [10.0] * 3),
-    ("joint_inverse_dynamics", "figures"): ([50.0] * 3, [15.0] * 3),
-    ("joint_inverse_dynamics", "fast"): ([500.0] * 3, [35.0] * 3),
+PRINTED: dict[tuple[str, str], dict[str, Any]] = {
+    ("joint_pd", "report"): {"proportional_gain": 50.0, "derivative_gain": 10.0},
+    ("joint_pd", "figures"): {
+        "proportional_gain": [50.0, 500.0, 50.0],
+        "derivative_gain": [15.0, 150.0, 15.0],
+    },
+    ("joint_inverse_dynamics", "report"): {"proportional_gain": 50.0, "derivative_gain": 10.0},
+    ("joint_inverse_dynamics", "figures"): {"proportional_gain": 50.0, "derivative_gain": 15.0},
+    ("joint_inverse_dynamics", "fast"): {"proportional_gain": 500.0, "derivative_gain": 35.0},
+    ("operational_pd", "report"): {"proportional_gain": 50.0, "derivative_gain": 10.0},
+    ("operational_pd", "figures"): {"proportional_gain": 50.0, "derivative_gain": 15.0},
+    ("operational_inverse_dynamics", "report"): {"proportional_gain": 100.0, "derivative_gain": 15.0},
+    ("compliance", "report"): {"stiffness": 50.0, "damping": 10.0},
+    ("impedance", "report"): {
+        "inertia": [1.0, 0.5, 1.0, 1.0, 1.0, 1.0],
+        "damping": 10.0,
+        "stiffness": 50.0,
+    },
+    ("impedance", "figures"): {
+        "inertia": [0.1, 0.5, 0.3, 1.0, 1.0, 1.0],
+        "damping": [10.0, 25.0, 10.0, 10.0, 10.0, 10.0],
+        "stiffness": [50.0, 75.0, 50.0, 50.0, 50.0, 50.0],
+    },
 }
 
 
@@ -78,10 +95,16 @@ def test_set_makes_settings_with_its_numbers(law: str, name: str, environment_id
 
 @pytest.mark.parametrize(("law", "name"), PRINTED)
 def test_gains_of_the_report_are_its_own(law: str, name: str) -> None:
-    proportional, derivative = PRINTED[law, name]
     for environment_id in list_envs():
         gains = load_gains(law, name, environment_id)
-        assert (gains["proportional_gain"], gains["derivative_gain"]) == (proportional, derivative)
+        del gains["source"]
+        assert gains == PRINTED[law, name]
+
+
+def test_adaptive_gains_of_the_report_are_those_of_the_link() -> None:
+    gains = load_gains("adaptive", "report", "PRP-Adaptive-v0")
+    assert (gains["reference_gain"], gains["damping_gain"]) == (200.0, 40.0)
+    assert gains["adaptation_gain"] == [1 / 5000, 1 / 100, 1 / 25]
 
 
 def test_an_environment_s_own_values_replace_the_set_s(monkeypatch: pytest.MonkeyPatch) -> None:

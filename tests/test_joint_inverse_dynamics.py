@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.baselines import JointInverseDynamics, JointInverseDynamicsSettings
-from prp_gym.robot import NOMINAL, RobotParameters
-from tests.control_interface import INTERFACE
+from prp_gym.robot import NOMINAL, PRPArm, RobotParameters
+from tests.control_interface import INTERFACE, LINK_INTERFACE
 from tests.pinocchio_model import PinocchioArm, per_row, random_arm, random_states
 
 Array = NDArray[np.float64]
@@ -117,4 +117,12 @@ def test_arm_on_its_reference_needs_the_reference_s_own_torques() -> None:
 
 
 def test_model_is_nominal_unless_named() -> None:
-    assert JointInverseDynamicsSettings(K_P, K_D).model == NOMINAL
+    assert JointInverseDynamicsSettings(K_P, K_D).model is None
+    assert law().model == PRPArm(NOMINAL)
+
+
+def test_link_is_controlled_by_the_same_law() -> None:
+    pendulum = JointInverseDynamics(LINK_INTERFACE, JointInverseDynamicsSettings(7.0, 2.0))
+    torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 1.1]))
+    y = 1.1 + 2.0 * 1.2 + 7.0 * 0.3
+    assert torque == pytest.approx(0.5 * y - 0.15 * 0.5 + 1.85 * np.sin(0.3), rel=1e-13)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from prp_gym.baselines import JointPD, JointPDSettings
 from prp_gym.baselines.joint_pd import GRAVITY_MODES
 from prp_gym.errors import UnknownNameError
-from prp_gym.robot import NOMINAL, RobotParameters
-from tests.control_interface import INTERFACE
+from prp_gym.robot import NOMINAL, Link, PRPArm, RobotParameters
+from tests.control_interface import INTERFACE, LINK_INTERFACE, POSE_INTERFACE
 from tests.pinocchio_model import PinocchioArm, per_row, random_arm, random_states
 
 Array = NDArray[np.float64]
@@ -41,6 +41,7 @@ def observed(seed: int, count: int) -> dict[str, Array]:
         "joint_velocity": velocity,
         "desired_joint_position": desired,
         "desired_joint_velocity": desired_velocity,
+        "desired_joint_acceleration": np.zeros_like(q),
     }
 
 
@@ -75,7 +76,8 @@ def test_gravity_modes_differ_away_from_the_goal_and_agree_but_for_none_at_it() 
 
 def test_gravity_is_current_and_the_model_nominal_unless_named() -> None:
     settings = JointPDSettings(K_P, K_D)
-    assert (settings.gravity, settings.model) == ("current", NOMINAL)
+    assert (settings.gravity, settings.model) == ("current", None)
+    assert law().model == PRPArm(NOMINAL)
 
 
 def test_one_number_stands_for_all_joints() -> None:
@@ -88,7 +90,7 @@ def test_one_number_stands_for_all_joints() -> None:
 def test_unknown_gravity_mode_lists_the_valid_ones(mode: Any) -> None:
     with pytest.raises(UnknownNameError, match="Valid: current, desired, none") as caught:
         law(gravity=mode)
-    assert caught.value.kind == "gravity mode"
+    assert caught.value.kind == "gravity"
 
 
 def test_misspelt_gravity_mode_gets_the_nearest_name() -> None:
@@ -107,6 +109,7 @@ def test_arm_at_rest_at_its_goal_stays_there() -> None:
                 "joint_velocity": still,
                 "desired_joint_position": q,
                 "desired_joint_velocity": still,
+                "desired_joint_acceleration": still,
             }
         )
         acceleration = per_row(arm.forward_dynamics, q, still, torque, still)
@@ -132,3 +135,21 @@ def test_only_the_dampers_take_energy_out() -> None:
     # central differences over 1e-6 s: 1e-12 of rounding in energies up to 1e4 J, and the third derivative,
     # accelerations reaching 1e4 rad/s²
     np.testing.assert_allclose(rate, -np.sum(K_D * velocity**2, axis=1), rtol=1e-6, atol=1e-4)
+
+
+def test_reference_may_come_from_operational_space() -> None:
+    given, names = observed(6, 20), ("desired_pose", "desired_velocity", "desired_acceleration")
+    motion = PRPArm().pose_motion(
+        *(given[f"desired_joint_{name}"] for name in ("position", "velocity", "acceleration"))
+    )
+    moved = given | dict(zip(names, motion, strict=True))
+    torque = JointPD(POSE_INTERFACE, JointPDSettings(K_P, K_D)).torque(moved)
+    # there and back through the kinematics, whose condition number is below 4, times gains of 500
+    np.testing.assert_allclose(torque, law().torque(given), rtol=1e-10, atol=1e-9)
+
+
+def test_link_is_controlled_by_the_same_law() -> None:
+    pendulum = JointPD(LINK_INTERFACE, JointPDSettings(7.0, 2.0))
+    torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 0.0]))
+    assert torque == pytest.approx(1.85 * np.sin(0.3) + 7.0 * 0.3 + 2.0 * 1.2, rel=1e-13)
+    assert pendulum.model == Link()

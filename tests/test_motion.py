@@ -89,7 +89,7 @@ def test_pose_out_of_reach_keeps_its_angles_and_the_slide_comes_as_near_as_it_ca
     def distance(slide: float) -> Array:
         moved = q + np.array([0.0, slide, 0.0])
         tips = np.array([oracle_pose(ORACLE, row)[:3] for row in moved])
-        return np.linalg.norm(tips - pose[:, :3], axis=1)
+        return np.asarray(np.linalg.norm(tips - pose[:, :3], axis=1))
 
     assert (distance(0.0) > 0.005).all()  # none is attained
     assert (distance(1e-3) > distance(0.0)).all()

@@ -86,7 +86,7 @@ def test_number_that_is_none_negative_or_not_finite_is_refused(value: Any) -> No
 
 
 def test_number_becomes_a_float() -> None:
-    share = Numbers(1.0, share=np.int64(2)).share
+    share = Numbers(1.0, share=2).share
     assert (type(share), share) == (float, 2.0)
 
 
