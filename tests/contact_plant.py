@@ -1,4 +1,4 @@
-"""A plant for the tests of laws in contact, apart from the simulator: the closed form and one-sided springs."""
+"""A plant for the tests of laws in contact, apart from the simulator: closed forms and one-sided springs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

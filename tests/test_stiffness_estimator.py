@@ -1,0 +1,117 @@
+"""The estimate of a surface's stiffness: recursion against batch least squares, and what must not disturb it."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
+from prp_gym.errors import InvalidValueError
+
+Array = NDArray[np.float64]
+
+GUESS = 5000.0
+ESTIMATOR = StiffnessEstimator(GUESS, forgetting_time=0.5, period=0.002)
+
+
+def learn(position: Array, force: Array, estimator: StiffnessEstimator = ESTIMATOR) -> Array:
+    """The memory after measurements (t, ...)."""
+    memory = estimator.begin(position.shape[1:])
+    for p, f in zip(position, force, strict=True):
+        memory = estimator.update(memory, p, f, np.ones(p.shape, dtype=np.bool_))
+    return memory
+
+
+def press(depth: float, count: int) -> Array:
+    """Positions (count, 1) of a tip that sinks in at constant speed, 0.4 m from the origin."""
+    return 0.4 + np.linspace(0.0, depth, count)[:, None]
+
+
+@pytest.mark.parametrize("stiffness", [50.0, 700.0, 5000.0])
+def test_estimate_is_the_stiffness_once_the_tip_has_moved(stiffness: float) -> None:
+    p = press(2.0 / stiffness, 60)
+    estimate = ESTIMATOR.stiffness(learn(p, stiffness * (p - 0.39)))
+    # the guess weighs as much as a spread of 1e-10 m², the 60 positions at least 2.6e-7 m²
+    np.testing.assert_allclose(estimate, stiffness, rtol=2e-3 if stiffness >= 700.0 else 5e-4)
+
+
+def test_recursion_is_weighted_least_squares() -> None:
+    draw = np.random.default_rng(1)
+    p = press(0.01, 80)  # always moving: every period forgets
+    f = 900.0 * (p - 0.4) + 0.3 * draw.standard_normal(p.shape)
+    weights = ESTIMATOR.retention ** np.arange(len(p))[::-1]
+    spread, root = ESTIMATOR.guess_spread, np.sqrt(weights)
+    # the guess is one more equation, √s K = √s K_0
+    rows = np.concatenate([root[:, None] * np.column_stack([p[:, 0], np.ones(len(p))]), [[spread**0.5, 0.0]]])
+    values = np.append(root * f[:, 0], spread**0.5 * GUESS)
+    expected = np.linalg.lstsq(rows, values, rcond=None)[0][0]
+    # moments about the mean against the normal equations of positions near 0.4 m, spread 3 mm
+    np.testing.assert_allclose(ESTIMATOR.stiffness(learn(p, f)), expected, rtol=1e-8)
+
+
+def test_bias_of_the_sensor_does_not_matter() -> None:
+    p = press(0.002, 60)
+    f = 800.0 * (p - 0.4)
+    biased = ESTIMATOR.stiffness(learn(p, f + 0.7))
+    # the bias goes into the offset: rounding of forces near 1 N over steps of 30 µm
+    np.testing.assert_allclose(biased, ESTIMATOR.stiffness(learn(p, f)), rtol=1e-9)
+
+
+def test_noise_of_the_sensor_averages_out() -> None:
+    draw = np.random.default_rng(2)
+    p = np.tile(press(0.004, 60), (1, 500))
+    estimates = ESTIMATOR.stiffness(learn(p, 1000.0 * (p - 0.4) + 0.05 * draw.standard_normal(p.shape)))
+    # least squares: σ/√S_pp = 0.05/√(60 · 0.004²/12) = 5.6 N/m; forgetting adds a little
+    assert abs(estimates.mean() - 1000.0) < 2.0
+    assert estimates.std() < 8.0
+
+
+def test_estimate_is_the_guess_before_the_tip_moves() -> None:
+    np.testing.assert_array_equal(ESTIMATOR.stiffness(ESTIMATOR.begin((3,))), GUESS)
+    still = np.full((50, 1), 0.4)
+    assert ESTIMATOR.stiffness(learn(still, np.full((50, 1), 2.0))) == GUESS
+
+
+def test_tip_at_rest_forgets_nothing_though_the_sensor_is_noisy() -> None:
+    draw = np.random.default_rng(4)
+    p = press(0.005, 60)
+    f = 600.0 * (p - 0.4)
+    rest = np.full((5000, 1), p[-1])  # 10 s, twenty time constants of forgetting
+    noisy = f[-1] + 0.05 * draw.standard_normal(rest.shape)
+    estimate = ESTIMATOR.stiffness(learn(np.concatenate([p, rest]), np.concatenate([f, noisy])))
+    # the mean of the noise at rest, below 0.002 N, moves the fit by as much over half the depth
+    np.testing.assert_allclose(estimate, 600.0, rtol=2e-3)
+
+
+def test_moving_tip_forgets_an_earlier_stiffness() -> None:
+    down = press(0.01, 250)
+    soft = 200.0 * (down - 0.4)
+    further = down[-1] + np.linspace(0.0, 0.05, 1250)[1:, None]
+    hard = soft[-1] + 1500.0 * (further - down[-1])
+    p, f = np.concatenate([down, further]), np.concatenate([soft, hard])
+    faithful = StiffnessEstimator(GUESS, forgetting_time=1e6, period=0.002)
+    # five time constants later
+    np.testing.assert_allclose(ESTIMATOR.stiffness(learn(p, f)), 1500.0, rtol=0.02)
+    assert faithful.stiffness(learn(p, f, faithful)) < 1450.0
+
+
+def test_lost_contact_empties_the_memory_of_that_one_only() -> None:
+    p = np.tile(press(0.005, 60), (1, 2))
+    memory = learn(p, 300.0 * (p - 0.4))
+    after = ESTIMATOR.update(memory, p[-1], np.zeros(2), np.array([True, False]))
+    assert not np.any(after[1])
+    assert ESTIMATOR.stiffness(after)[1] == GUESS
+    assert ESTIMATOR.stiffness(after)[0] < 400.0
+
+
+def test_estimate_stays_within_its_range() -> None:
+    p = press(0.01, 60)
+    slopes = np.array([-500.0, 0.0, 1e6])
+    estimate = ESTIMATOR.stiffness(learn(np.tile(p, (1, 3)), slopes * (p - 0.4)))
+    np.testing.assert_array_equal(estimate, [10.0, 10.0, 2e4])
+
+
+@pytest.mark.parametrize("name", ["initial_stiffness", "forgetting_time", "period"])
+def test_number_that_is_not_positive_is_refused(name: str) -> None:
+    numbers = {"initial_stiffness": 1.0, "forgetting_time": 1.0, "period": 1.0, name: 0.0}
+    with pytest.raises(InvalidValueError, match=name):
+        StiffnessEstimator(**numbers)
