@@ -134,8 +134,8 @@ class DynamicRenderingTask(RenderingTask):
         """See `Task.advance`."""
         force = self.generalised_force(truth)
         self._displacement = self.target.advance(self._displacement, self._last_force, force)
-        self._last_force = force
 
     def complete(self, truth: Array) -> None:
-        """See `Task.complete`."""
+        """See `Task.complete`; the force now, at a start too, begins the next period."""
+        self._last_force = self.generalised_force(truth)
         self.write_model_pose(truth, self._displacement.value)
