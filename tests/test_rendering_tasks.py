@@ -269,11 +269,11 @@ def test_static_task_takes_no_inertia_or_damping() -> None:
 @pytest.mark.parametrize(
     ("environment_id", "name", "value", "kind", "message"),
     [
-        (COMPLIANCE, "target_stiffness", -1.0, InvalidValueError, "target_stiffness is -1.0; allowed: finite"),
+        (COMPLIANCE, "target_stiffness", -1.0, InvalidValueError, "target_stiffness is -1.0 N/m, N·m/rad; allowed: fin"),
         (IMPEDANCE, "target_stiffness", (1, 2, 3), ShapeError, r"target_stiffness has shape \(3,\); expected"),
-        (IMPEDANCE, "target_damping", float("nan"), InvalidValueError, "target_damping is nan"),
-        (IMPEDANCE, "target_damping", "much", InvalidValueError, "target_damping is 'much'; allowed: one num"),
-        (ADMITTANCE, "target_inertia", float("inf"), InvalidValueError, "target_inertia is inf"),
+        (IMPEDANCE, "target_damping", float("nan"), InvalidValueError, "target_damping is nan N·s/m, N·m·s/rad"),
+        (IMPEDANCE, "target_damping", "much", InvalidValueError, "target_damping is 'much' N·s/m, .*: one number"),
+        (ADMITTANCE, "target_inertia", float("inf"), InvalidValueError, "target_inertia is inf kg, kg·m²"),
         (ADMITTANCE, "target_inertia", 0.0, InvalidValueError, r"target inertia is .*allowed: above 0"),
         (ADMITTANCE, "target_inertia", (1, 1, 0, 1, 1, 1), InvalidValueError, "target inertia is .* kg, kg·m²"),
         (ADMITTANCE, "reference", "stay", UnknownNameError, "unknown reference 'stay'"),
