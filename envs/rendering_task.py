@@ -1,7 +1,7 @@
 """What compliance, impedance and admittance tasks share: a target model that the force drives."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -39,10 +39,10 @@ class StiffnessOptions(SurfaceOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("target_inertia", "target_damping", "target_stiffness"):
-            value = getattr(self, name, None)
-            if value is not None:
-                object.__setattr__(self, name, _six(name, value))
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if entry.name.startswith("target_") and value is not None:
+                object.__setattr__(self, entry.name, _six(entry.name, value, entry.metadata["unit"]))
 
 
 @dataclass(frozen=True)
@@ -53,15 +53,15 @@ class TargetOptions(StiffnessOptions):
     target_damping: Axes = field(default=None, metadata=_target("damping K_D", "N·s/m, N·m·s/rad"))
 
 
-def _six(name: str, value: object) -> tuple[float, ...]:
+def _six(name: str, value: object, unit: str) -> tuple[float, ...]:
     try:
         axes = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidValueError(name, value, "one number or six") from None
+        raise InvalidValueError(name, value, "one number or six", unit) from None
     if axes.shape not in ((), (6,)):
         raise ShapeError(name, axes.shape, "one number or (6,)")
     if not (np.isfinite(axes).all() and (axes >= 0.0).all()):
-        raise InvalidValueError(name, value, "finite and at least 0")
+        raise InvalidValueError(name, value, "finite and at least 0", unit)
     return tuple(np.broadcast_to(axes, 6).tolist())
 
 
@@ -134,8 +134,8 @@ class DynamicRenderingTask(RenderingTask):
         """See `Task.advance`."""
         force = self.generalised_force(truth)
         self._displacement = self.target.advance(self._displacement, self._last_force, force)
-        self._last_force = force
 
     def complete(self, truth: Array) -> None:
-        """See `Task.complete`."""
+        """See `Task.complete`; the force now, at a start too, begins the next period."""
+        self._last_force = self.generalised_force(truth)
         self.write_model_pose(truth, self._displacement.value)

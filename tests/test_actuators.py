@@ -11,8 +11,9 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Scenario
 
 REALISTIC = load_scenario("realistic")
-QUIET = replace(REALISTIC, torque_noise=(0.0, 0.0, 0.0))
+QUIET = replace(REALISTIC, torque_noise=0.0)
 PROMPT = replace(REALISTIC, delay_steps=0)
+LIMIT = np.array([50.0, 100.0, 10.0])  # of the drives [N m, N, N m]
 LONG = 600  # steps: noise is drawn in blocks of 256
 
 
@@ -22,7 +23,7 @@ def commands(count: int, num_envs: int) -> Array:
 
 
 def begun(scenario: Scenario, seeds: list[int]) -> RealisticActuators:
-    actuators = RealisticActuators(scenario, len(seeds))
+    actuators = RealisticActuators(scenario, LIMIT, len(seeds))
     actuators.begin(np.arange(len(seeds)), seeds)
     return actuators
 
@@ -41,13 +42,13 @@ def test_ideal_actuators_do_what_is_commanded() -> None:
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_scenario_chooses_the_actuators(name: str) -> None:
     scenario = load_scenario(name)
-    departs = scenario.delay_steps > 0 or any(scenario.torque_noise)
-    assert isinstance(make_actuators(scenario, 2), RealisticActuators if departs else IdealActuators)
+    departs = scenario.delay_steps > 0 or scenario.torque_noise > 0.0
+    assert isinstance(make_actuators(scenario, LIMIT, 2), RealisticActuators if departs else IdealActuators)
 
 
 @pytest.mark.parametrize("scenario", [PROMPT, QUIET], ids=["noise alone", "delay alone"])
 def test_delay_or_noise_alone_make_actuators_realistic(scenario: Scenario) -> None:
-    assert isinstance(make_actuators(scenario, 2), RealisticActuators)
+    assert isinstance(make_actuators(scenario, LIMIT, 2), RealisticActuators)
 
 
 @pytest.mark.parametrize("delay", [0, 1, 3])
@@ -79,7 +80,7 @@ def test_noise_adds_to_the_late_command() -> None:
 
 def test_noise_is_white_with_the_declared_deviation() -> None:
     count = 20_000
-    values = noise(begun(REALISTIC, [11]), 1, count)[:, 0] / REALISTIC.torque_noise
+    values = noise(begun(REALISTIC, [11]), 1, count)[:, 0] / (REALISTIC.torque_noise * LIMIT)
     # five standard errors of the mean, the deviation and the correlation of so many normal numbers
     np.testing.assert_allclose(values.mean(axis=0), 0.0, rtol=0, atol=5 / np.sqrt(count))
     np.testing.assert_allclose(values.std(axis=0), 1.0, rtol=0, atol=5 / np.sqrt(2 * count))

@@ -42,7 +42,7 @@ def test_defaults_are_those_of_the_design_document() -> None:
     assert config.render_mode is None
     assert config.substeps == 2
     assert config.horizon == 2500
-    assert config.limits() == NOMINAL.torque_limit
+    np.testing.assert_array_equal(config.limits(NOMINAL.torque_limit), NOMINAL.torque_limit)
 
 
 def test_every_keyword_says_its_unit_and_meaning() -> None:
@@ -92,7 +92,8 @@ def test_duration_is_judged_by_the_control_period() -> None:
 def test_scenario_sets_the_torque_limits(name: str) -> None:
     config = EnvConfig(scenario=name)
     factor = config.load_scenario().torque_limit_factor
-    assert config.limits() == tuple(factor * limit for limit in NOMINAL.torque_limit)
+    for nominal in (NOMINAL.torque_limit, (30.0,)):
+        np.testing.assert_array_equal(config.limits(nominal), [factor * limit for limit in nominal])
 
 
 @pytest.mark.parametrize(
@@ -107,7 +108,8 @@ def test_scenario_sets_the_torque_limits(name: str) -> None:
 def test_torque_limit_may_be_a_number_three_numbers_or_lifted(
     given: TorqueLimit, limits: tuple[float, float, float]
 ) -> None:
-    assert EnvConfig(scenario="report", torque_limit=given).limits() == limits
+    config = EnvConfig(scenario="report", torque_limit=given)
+    np.testing.assert_array_equal(config.limits(NOMINAL.torque_limit), limits)
 
 
 @pytest.mark.parametrize(
@@ -121,15 +123,27 @@ def test_torque_limit_must_be_positive_and_finite(limit: TorqueLimit) -> None:
     assert caught.value.unit == "N·m, N, N·m"
 
 
-@pytest.mark.parametrize("limit", [(50.0, 100.0), (50.0, 100.0, 10.0, 1.0), (), {}])
-def test_torque_limit_of_another_length_or_kind_is_refused(limit: Any) -> None:
-    with pytest.raises(InvalidValueError, match="a number or three numbers") as caught:
+@pytest.mark.parametrize("limit", [(), {}, ((50.0, 100.0, 10.0),), ("a", "b", "c")])
+def test_torque_limit_of_another_kind_is_refused(limit: Any) -> None:
+    with pytest.raises(InvalidValueError, match="a number or one number a joint") as caught:
         EnvConfig(torque_limit=limit)
     assert caught.value.value is limit
 
 
+@pytest.mark.parametrize("limit", [(50.0, 100.0), (50.0, 100.0, 10.0, 1.0)])
+@pytest.mark.parametrize("environment_id", ["PRP-JointTracking-v0", "PRP-Adaptive-v0"])
+def test_torque_limit_for_another_number_of_joints_is_refused(
+    limit: tuple[float, ...], environment_id: str
+) -> None:
+    joints = 1 if environment_id == "PRP-Adaptive-v0" else 3
+    with pytest.raises(InvalidValueError, match=f"allowed: one number or {joints}") as caught:
+        gymnasium.make(environment_id, torque_limit=limit)
+    assert caught.value.what == "torque_limit"
+    assert caught.value.value == limit
+
+
 def test_torque_limit_by_an_unknown_word_is_refused() -> None:
-    with pytest.raises(InvalidValueError, match="'scenario', None, a number or three numbers") as caught:
+    with pytest.raises(InvalidValueError, match="'scenario', None, a number or one number a joint") as caught:
         EnvConfig(torque_limit="nominal")
     assert caught.value.value == "nominal"
 

@@ -60,9 +60,37 @@ def made(environment_id: str, scenario: str, **keywords: Any) -> PRPEnv:
 
 def random_actions(env: PRPEnv, count: int, seed: int = 1) -> Array:
     """Random torques within the nominal limits, whatever the scenario's are."""
-    share = np.array(NOMINAL.torque_limit) / env.torque_limit
-    values: Array = share * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(count, 3))
+    share = full_actions(env)
+    values: Array = share * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(count, len(share)))
     return values
+
+
+def full_actions(env: PRPEnv) -> Array:
+    """The nominal limits' torques (joints)."""
+    return np.array(env.arm.parameters.torque_limit) / env.torque_limit
+
+
+def still(env: PRPEnv) -> Array:
+    """No torques (joints)."""
+    return np.zeros(len(env.torque_limit))
+
+
+def start_of(env: PRPEnv) -> dict[str, Any]:
+    """Reset options with which the tip of a contact task begins a decimetre inside a soft surface."""
+    if "surface_offset" not in env.task.reset_options:
+        return {}
+    return {
+        "joint_position": (0.0, -0.2, 0.0),
+        "surface_normal": (0.0, -1.0, 0.0),
+        "surface_offset": 0.44,
+        "surface_stiffness": 50.0,
+        "surface_damping": 5.0,
+    }
+
+
+def assert_touching(env: PRPEnv, outcomes: list[Outcome]) -> None:
+    """A contact task's episode is in contact at some time, or it would show nothing about contacts."""
+    assert not start_of(env) or any(outcome[4]["contact_force"] > 0.0 for outcome in outcomes)
 
 
 def play(env: PRPEnv, actions: Array) -> list[Outcome]:
@@ -135,11 +163,12 @@ def test_depth_pictures_are_distances(drawing: None, environment_id: str) -> Non
 def test_reset_forgets_all_that_was_before(environment_id: str, scenario: str) -> None:
     """The hidden warm start of the solver included: the new episode begins against the joint stops."""
     used, fresh = made(environment_id, scenario), made(environment_id, scenario)
-    edge = {"joint_position": NOMINAL.joint_upper, "joint_velocity": (1.0, 0.5, 1.0)}
-    for options in ({}, edge):
-        used.reset(seed=7)
+    joints = len(used.torque_limit)
+    edge = {"joint_position": NOMINAL.joint_upper[:joints], "joint_velocity": (1.0, 0.5, 1.0)[:joints]}
+    for options in ({}, edge, start_of(used)):
+        used.reset(seed=7, options=start_of(used))
         play(used, random_actions(used, 100, seed=2))
-        play(used, np.array(NOMINAL.torque_limit) / used.torque_limit * np.ones((200, 1)))
+        play(used, full_actions(used) * np.ones((200, 1)))
         again, _ = used.reset(seed=1234, options=options)
         first, _ = fresh.reset(seed=1234, options=options)
         np.testing.assert_array_equal(again, first)
@@ -160,7 +189,7 @@ def test_same_seed_gives_the_same_episode_to_the_last_bit(environment_id: str, s
 
 def test_seeds_make_a_difference_where_anything_is_random(environment_id: str, scenario: str) -> None:
     env = made(environment_id, scenario)
-    one, other = (np.concatenate([env.reset(seed=s)[0], env.step(np.zeros(3))[0]]) for s in (0, 1))
+    one, other = (np.concatenate([env.reset(seed=s)[0], env.step(still(env))[0]]) for s in (0, 1))
     assert np.array_equal(one, other) == env.task.scenario.deterministic
 
 
@@ -204,7 +233,7 @@ def test_info_is_what_was_declared(environment_id: str, scenario: str) -> None:
     env = made(environment_id, scenario, control_frequency=50)
     _, info = env.reset(seed=0)
     assert info == {"time": 0.0}
-    for count, (*_, info) in enumerate(play(env, np.zeros((3, 3))), start=1):
+    for count, (*_, info) in enumerate(play(env, np.tile(still(env), (3, 1))), start=1):
         assert list(info) == [field.name for field in env.info_fields]
         assert info["time"] == pytest.approx(count / 50, rel=1e-15)  # one rounding
         assert all(isinstance(value, float) for value in info.values())
@@ -236,12 +265,13 @@ def test_copy_made_in_an_episode_goes_on_as_the_original(
     environment_id: str, scenario: str, how: str
 ) -> None:
     env = made(environment_id, scenario)
-    env.reset(seed=21)
+    env.reset(seed=21, options=start_of(env))
     actions = random_actions(env, 600)
-    play(env, actions[:100])
+    play(env, actions[:20])
     clone = COPIES[how](env)
-    expected = play(env, actions[100:])  # past the blocks of noise and of reference
-    assert_same(play(clone, actions[100:]), expected)
+    expected = play(env, actions[20:])  # past the blocks of noise and of reference
+    assert_touching(env, expected)
+    assert_same(play(clone, actions[20:]), expected)
     np.testing.assert_array_equal(clone.reset()[0], env.reset()[0])
     assert_same(play(clone, actions[:20]), play(env, actions[:20]))
 
@@ -250,19 +280,20 @@ def test_saved_state_brings_back_the_same_future_here_and_elsewhere(
     environment_id: str, scenario: str
 ) -> None:
     env, other = made(environment_id, scenario), made(environment_id, scenario)
-    env.reset(seed=31)
+    env.reset(seed=31, options=start_of(env))
     actions = random_actions(env, 600)
-    observation = play(env, actions[:100])[-1][0]
+    observation = play(env, actions[:20])[-1][0]
     state = env.get_state()
     kept = pickle.loads(pickle.dumps(state))
-    expected = play(env, actions[100:])
+    expected = play(env, actions[20:])
+    assert_touching(env, expected)
     following, _ = env.reset()
     other.reset(seed=32)
     play(other, actions[:7])
     for target, saved in ((env, state), (other, kept), (other, state), (env, kept)):
         # `state` unchanged by what env did since, or it would no longer lead to the same future
         np.testing.assert_array_equal(target.set_state(saved), observation)
-        assert_same(play(target, actions[100:]), expected)
+        assert_same(play(target, actions[20:]), expected)
         np.testing.assert_array_equal(target.reset()[0], following)
 
 

@@ -22,10 +22,11 @@ from prp_gym.errors import (
     ShapeError,
     UnknownNameError,
 )
-from prp_gym.physics import Physics
+from prp_gym.physics import LinkPhysics, Physics
 from prp_gym.robot import NOMINAL, PRPArm
+from prp_gym.robot.link import NOMINAL_LINK, Link
 from prp_gym.tasks import Task
-from prp_gym.tasks.fields import SPEED_BOUND
+from prp_gym.tasks.fields import POSITION_BOUND, SPEED_BOUND
 
 ENVIRONMENT_IDS = prp_gym.list_envs()
 REGULATION, TRACKING = JointRegulation.environment_id, JointTracking.environment_id
@@ -54,13 +55,13 @@ def test_public_attributes_are_those_of_the_design_document(environment_id: str)
     env = made(environment_id, control_frequency=100, duration=2.0)
     assert isinstance(env.task, Task)
     assert env.task.environment_id == environment_id
-    assert isinstance(env.physics, Physics)
+    one_joint = env.action_space.shape == (1,)
+    assert isinstance(env.physics, LinkPhysics if one_joint else Physics)
     assert env.physics.num_simulations == 1
-    assert isinstance(env.arm, PRPArm)
-    assert env.arm.parameters == NOMINAL
+    assert env.arm == (Link(NOMINAL_LINK) if one_joint else PRPArm(NOMINAL))
     assert env.control_frequency == 100
     assert env.duration == 2.0
-    np.testing.assert_array_equal(env.torque_limit, NOMINAL.torque_limit)
+    np.testing.assert_array_equal(env.torque_limit, env.arm.parameters.torque_limit)
     observation, _ = env.reset(seed=0)
     assert set(env.observation_layout.split(observation)) == set(env.observation_layout.names)
     assert env.observation_space == env.observation_layout.space()
@@ -188,8 +189,11 @@ def test_wrong_action_is_refused_and_changes_nothing(action: Any, kind: type[PRP
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_first_observation_is_in_its_space_for_every_extreme_start(environment_id: str, side: float) -> None:
     env = made(environment_id)
-    for corner in itertools.product(*zip(NOMINAL.joint_lower, NOMINAL.joint_upper, strict=True)):
-        options = {"joint_position": corner, "joint_velocity": side * np.array(SPEED_BOUND)}
+    ranges = list(zip(NOMINAL.joint_lower, NOMINAL.joint_upper, strict=True))
+    if env.action_space.shape == (1,):
+        ranges = [(-POSITION_BOUND[0], POSITION_BOUND[0])]  # the link has no stops
+    for corner in itertools.product(*ranges):
+        options = {"joint_position": corner, "joint_velocity": side * np.array(SPEED_BOUND[: len(corner)])}
         observation, _ = env.reset(options=options)
         parts = env.observation_layout.split(observation)
         np.testing.assert_array_equal(parts["joint_position"], corner)

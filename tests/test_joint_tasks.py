@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 
 from prp_gym.envs import JointRegulation, JointTracking, PRPEnv
 from prp_gym.envs.data import load_scenario, load_task_numbers
-from prp_gym.envs.joint_task import JointStart, JointTask, check_joint_limits
-from prp_gym.envs.joint_tracking import REFERENCES, STARTS, TrackingOptions
+from prp_gym.envs.arm_task import TrajectoryStart, check_joint_limits
+from prp_gym.envs.joint_task import JointTask
+from prp_gym.envs.joint_tracking import REFERENCES, TrackingOptions
+from prp_gym.envs.reference_draws import STARTS
 from prp_gym.errors import JointLimitError, UnknownNameError
 from prp_gym.robot import NOMINAL, PRPArm
 from prp_gym.robot.arrays import Array
@@ -20,6 +22,7 @@ from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.task import NoOptions
 
 SEEDS = st.integers(0, 2**32 - 1)
+PERIOD = 0.002  # of control; nothing here depends on it [s]
 LOW, HIGH = np.array(NOMINAL.joint_lower), np.array(NOMINAL.joint_upper)
 GOAL, START, SPEED = np.array([1.0, -0.15, 0.5]), np.array([0.5, -0.1, -1.0]), np.array([0.3, -0.2, 2.0])
 REPORT_GOAL = (np.pi / 2, -0.2, np.pi)
@@ -38,19 +41,19 @@ RANDOM = [name for name in SCENARIOS if not load_scenario(name).deterministic]
 
 def regulation(scenario: str) -> JointRegulation:
     numbers = load_task_numbers(JointRegulation.environment_id)
-    return JointRegulation(numbers, load_scenario(scenario), PRPArm(), NoOptions())
+    return JointRegulation(numbers, load_scenario(scenario), NoOptions(), PERIOD)
 
 
 def tracking(scenario: str, reference: str = "quintic", start: str = "scenario") -> JointTracking:
     numbers = load_task_numbers(JointTracking.environment_id)
-    return JointTracking(numbers, load_scenario(scenario), PRPArm(), TrackingOptions(reference, start))
+    return JointTracking(numbers, load_scenario(scenario), TrackingOptions(start, reference), PERIOD)
 
 
 def tasks(scenario: str) -> list[JointTask]:
     return [regulation(scenario), *(tracking(scenario, reference) for reference in REFERENCES)]
 
 
-def draw(task: JointTask, seed: int, **options: Array) -> JointStart:
+def draw(task: JointTask, seed: int, **options: Array) -> TrajectoryStart:
     return task.draw(np.random.default_rng(seed), options)
 
 

@@ -1,6 +1,8 @@
 """The loop: N environments together are N environments alone, bit for bit, whatever happens to some."""
 
 import copy
+from dataclasses import fields
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +11,7 @@ import numpy as np
 import pytest
 
 import prp_gym
-from prp_gym.envs import EpisodeLoop, JointRegulation, PRPEnv, TrackingOptions
-from prp_gym.envs.joint_tracking import REFERENCES
+from prp_gym.envs import EpisodeLoop, JointRegulation, PRPEnv
 from prp_gym.envs.loop import COMMON_INFO, Step
 from prp_gym.errors import EpisodeError, InvalidValueError, JointLimitError, NonFiniteError, ShapeError
 from prp_gym.robot import NOMINAL
@@ -19,7 +20,7 @@ from prp_gym.tasks import SCENARIOS
 
 N = 4
 EVERYONE = np.arange(N)
-LIMIT = NOMINAL.torque_limit  # so that random actions do not throw the arm about in any scenario
+LIMIT = NOMINAL.torque_limit  # of the arm, so that random actions do not throw the arm about in any scenario
 NONE: dict[str, Array] = {}
 REPORTED = {field.name: index for index, field in enumerate(reversed(COMMON_INFO), start=1)}
 
@@ -34,11 +35,14 @@ def kinds() -> list[tuple[str, dict[str, Any]]]:
     """Every task in every scenario, and every reference of tasks that have several."""
     listed: list[tuple[str, dict[str, Any]]] = []
     for environment_id in prp_gym.list_envs():
+        env = environment(environment_id)
+        limit = env.arm.parameters.torque_limit
         choices: list[dict[str, Any]] = [{}]
-        if environment(environment_id).options_class is TrackingOptions:
-            choices = [{"reference": reference} for reference in REFERENCES]
+        if any(entry.name == "reference" for entry in fields(env.options_class)):
+            references = import_module(env.options_class.__module__).REFERENCES
+            choices = [{"reference": reference} for reference in references]
         listed += [
-            (environment_id, {"scenario": name, "torque_limit": LIMIT, **choice})
+            (environment_id, {"scenario": name, "torque_limit": limit, **choice})
             for name in SCENARIOS
             for choice in choices
         ]
@@ -66,8 +70,8 @@ def generators(seeds: Any) -> list[np.random.Generator]:
     return [np.random.default_rng(seed) for seed in seeds]
 
 
-def actions(count: int, num_envs: int = N, size: float = 0.1) -> Array:
-    values: Array = np.random.default_rng(7).uniform(-size, size, size=(count, num_envs, 3))
+def actions(count: int, num_envs: int = N, joints: int = 3) -> Array:
+    values: Array = np.random.default_rng(7).uniform(-0.1, 0.1, size=(count, num_envs, joints))
     return values
 
 
@@ -79,8 +83,9 @@ def assert_rows_equal(together: Step, alone: list[Step]) -> None:
 @pytest.mark.parametrize("kind", KINDS, ids=kind_name)
 def test_many_equal_one_by_one_across_restarts_and_refills(kind: tuple[str, dict[str, Any]]) -> None:
     together, alone = loop_of(kind), [loop_of(kind, 1) for _ in EVERYONE]
-    restarts = {0: [0, 1, 2, 3], 150: [1, 3], 400: [2], 513: [0, 1, 2, 3], 700: [0, 3]}
-    for step, action in enumerate(actions(900)):
+    # blocks of noise are drawn every 256 steps, the window of references is filled every 512
+    restarts = {0: [0, 1, 2, 3], 150: [1, 3], 300: [2], 513: [0, 1, 2, 3], 530: [0, 3]}
+    for step, action in enumerate(actions(560, joints=together.joints)):
         ids = np.array(restarts.get(step, []), dtype=np.intp)
         if len(ids):
             seeds = 1000 * step + ids

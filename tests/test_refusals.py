@@ -104,7 +104,7 @@ def test_words_for_numbers_are_refused() -> None:
 
 
 def test_equal_keywords_make_equal_values() -> None:
-    assert EnvConfig(torque_limit=5) == EnvConfig(torque_limit=(5.0, 5.0, 5.0))
+    assert EnvConfig(torque_limit=5) == EnvConfig(torque_limit=np.float64(5.0))
     assert EnvConfig(torque_limit=np.array([1.0, 2.0, 3.0])) == EnvConfig(torque_limit=[1, 2, 3])  # type: ignore[arg-type]
 
 

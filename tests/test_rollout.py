@@ -17,7 +17,7 @@ from prp_gym.evaluation import record_episode
 from prp_gym.tasks.scenario import SCENARIOS
 
 Env = gymnasium.Env[Any, Any]
-LIMIT = np.array([50.0, 100.0, 10.0])
+FULL = np.array([1.0, -1.0, 1.0])
 STEPS, FREQUENCY = 25, 500
 
 
@@ -40,6 +40,15 @@ class Scripted:
         return self.actions[count % len(self.actions)], (count + 1,)
 
 
+def scripted(env: Env, actions: Any) -> Scripted:
+    """The same for a robot with fewer joints."""
+    return Scripted(np.atleast_2d(actions)[:, : joints(env)])
+
+
+def joints(env: Env) -> int:
+    return int(np.prod(env.action_space.shape or ()))
+
+
 def make(environment_id: str, **options: Any) -> Env:
     duration = options.pop("duration", STEPS / FREQUENCY)
     return gymnasium.make(environment_id, control_frequency=FREQUENCY, duration=duration, **options)
@@ -47,18 +56,19 @@ def make(environment_id: str, **options: Any) -> Env:
 
 @pytest.fixture(params=list_envs())
 def env(request: pytest.FixtureRequest) -> Iterator[Env]:
-    made = make(request.param, torque_limit=tuple(LIMIT.tolist()))
+    made = make(request.param)
     yield made
     made.close()
 
 
 def test_shapes_of_everything_recorded(env: Env) -> None:
-    rollout = record_episode(Scripted([0.1, -0.1, 0.1]), env, seed=3)
-    layout = env.get_wrapper_attr("observation_layout")
+    rollout = record_episode(scripted(env, [0.1, -0.1, 0.1]), env, seed=3)
+    layout = env.get_wrapper_attr("task").truth_layout
+    assert set(layout.names) >= set(env.get_wrapper_attr("observation_layout").names)
     assert set(rollout.fields) == set(layout.names)
     for field in layout.fields:
         assert rollout.fields[field.name].shape == (STEPS + 1, *field.shape)
-    assert rollout.torque.shape == (STEPS, 3)
+    assert rollout.torque.shape == rollout.applied_torque.shape == (STEPS, joints(env))
     assert rollout.reward.shape == rollout.compute_time.shape == (STEPS,)
     assert {name: values.shape for name, values in rollout.info.items()} == {
         field.name: (STEPS,) for field in env.get_wrapper_attr("info_fields")
@@ -66,7 +76,7 @@ def test_shapes_of_everything_recorded(env: Env) -> None:
 
 
 def test_facts_of_the_episode_are_those_of_the_environment(env: Env) -> None:
-    rollout = record_episode(Scripted([0.0, 0.0, 0.0]), env, seed=7)
+    rollout = record_episode(scripted(env, [0.0, 0.0, 0.0]), env, seed=7)
     assert env.spec is not None
     assert rollout.environment_id == env.spec.id
     assert (rollout.scenario, rollout.seed, rollout.diverged) == ("randomized", 7, False)
@@ -77,7 +87,7 @@ def test_facts_of_the_episode_are_those_of_the_environment(env: Env) -> None:
 
 
 def test_rows_are_those_of_a_loop_by_hand(env: Env) -> None:
-    actions = np.random.default_rng(1).uniform(-1.0, 1.0, size=(STEPS, 3)).astype(np.float32)
+    actions = np.random.default_rng(1).uniform(-1.0, 1.0, size=(STEPS, joints(env))).astype(np.float32)
     rollout = record_episode(Scripted(actions), env, seed=5)
     observation, _ = env.reset(seed=5)
     observations, rewards, saturated = [observation], [], []
@@ -91,17 +101,19 @@ def test_rows_are_those_of_a_loop_by_hand(env: Env) -> None:
         np.testing.assert_array_equal(rollout.fields[name], values)
     np.testing.assert_array_equal(rollout.reward, rewards)
     np.testing.assert_array_equal(rollout.info["cost_saturation"], saturated)
-    np.testing.assert_array_equal(rollout.torque, actions.astype(np.float64) * LIMIT)
+    np.testing.assert_array_equal(rollout.torque, actions.astype(np.float64) * env.get_wrapper_attr("torque_limit"))
 
 
 def test_torque_beyond_the_actuators_is_recorded_as_it_was_clipped(env: Env) -> None:
-    rollout = record_episode(Scripted([3.0, -2.0, 0.5]), env, seed=5)
-    np.testing.assert_array_equal(rollout.torque, np.tile([50.0, -100.0, 5.0], (STEPS, 1)))
-    np.testing.assert_array_equal(rollout.info["cost_saturation"], 2.0)
+    rollout = record_episode(scripted(env, [3.0, -2.0, 0.5]), env, seed=5)
+    one_joint = joints(env) == 1
+    clipped = [30.0] if one_joint else [50.0, -100.0, 5.0]
+    np.testing.assert_array_equal(rollout.torque, np.tile(clipped, (STEPS, 1)))
+    np.testing.assert_array_equal(rollout.info["cost_saturation"], 1.0 if one_joint else 2.0)
 
 
 def test_policy_is_told_where_the_episode_starts_and_gets_its_state_back(env: Env) -> None:
-    policy = Scripted([0.0, 0.0, 0.0])
+    policy = scripted(env, [0.0, 0.0, 0.0])
     record_episode(policy, env, seed=0)
     record_episode(policy, env, seed=1)
     states = [state for _, state, _, _ in policy.calls]
@@ -112,7 +124,7 @@ def test_policy_is_told_where_the_episode_starts_and_gets_its_state_back(env: En
 
 
 def test_policy_sees_the_recorded_observations(env: Env) -> None:
-    policy = Scripted([0.2, 0.0, 0.0])
+    policy = scripted(env, [0.2, 0.0, 0.0])
     rollout = record_episode(policy, env, seed=2)
     seen = np.array([observation for observation, *_ in policy.calls])
     for name, values in env.get_wrapper_attr("observation_layout").split(seen).items():
@@ -120,27 +132,27 @@ def test_policy_sees_the_recorded_observations(env: Env) -> None:
 
 
 def test_seed_decides_the_episode(env: Env) -> None:
-    policy = Scripted([0.1, 0.1, 0.1])
+    policy = scripted(env, [0.1, 0.1, 0.1])
     first, other, again = (record_episode(policy, env, seed=seed) for seed in (4, 5, 4))
     np.testing.assert_array_equal(first.fields["joint_position"], again.fields["joint_position"])
     assert (first.fields["joint_position"][0] != other.fields["joint_position"][0]).all()
 
 
 def test_options_reach_the_reset(env: Env) -> None:
-    start = [0.3, -0.12, -0.4]
-    rollout = record_episode(Scripted([0.0, 0.0, 0.0]), env, seed=0, options={"joint_position": start})
+    start = [0.3, -0.12, -0.4][: joints(env)]
+    rollout = record_episode(scripted(env, [0.0, 0.0, 0.0]), env, seed=0, options={"joint_position": start})
     np.testing.assert_allclose(rollout.fields["joint_position"][0], start, rtol=1e-15)
 
 
 def test_wrappers_that_leave_observations_alone_change_nothing(env: Env) -> None:
-    policy = Scripted([0.1, 0.1, 0.1])
+    policy = scripted(env, [0.1, 0.1, 0.1])
     bare, wrapped = record_episode(policy, env, 6), record_episode(policy, RecordEpisodeStatistics(env), 6)
     np.testing.assert_array_equal(bare.reward, wrapped.reward)
     assert set(bare.info) == set(wrapped.info)
 
 
 def test_episode_cut_short_by_a_wrapper_is_recorded_as_far_as_it_went(env: Env) -> None:
-    rollout = record_episode(Scripted([0.0, 0.0, 0.0]), TimeLimit(env, max_episode_steps=10), seed=0)
+    rollout = record_episode(scripted(env, [0.0, 0.0, 0.0]), TimeLimit(env, max_episode_steps=10), seed=0)
     assert (len(rollout.reward), rollout.diverged) == (10, False)
     assert rollout.duration == STEPS / FREQUENCY
 
@@ -148,7 +160,7 @@ def test_episode_cut_short_by_a_wrapper_is_recorded_as_far_as_it_went(env: Env) 
 @pytest.mark.parametrize("environment_id", list_envs())
 def test_divergence_ends_the_episode_and_is_recorded(environment_id: str) -> None:
     env = make(environment_id, scenario="report", torque_limit=None)
-    rollout = record_episode(Scripted([1.0, -1.0, 1.0]), env, seed=0)
+    rollout = record_episode(scripted(env, FULL), env, seed=0)
     env.close()
     assert rollout.diverged
     assert 1 <= len(rollout.reward) < STEPS
@@ -175,10 +187,10 @@ def test_environment_of_another_suite_is_refused() -> None:
 
 def test_action_of_another_shape_is_refused(env: Env) -> None:
     with pytest.raises(ShapeError):
-        record_episode(Scripted([0.0, 0.0]), env, seed=0)
+        record_episode(Scripted(np.zeros(joints(env) + 1)), env, seed=0)
 
 
 def test_rollout_cannot_be_reassigned(env: Env) -> None:
-    rollout = record_episode(Scripted([0.0, 0.0, 0.0]), env, seed=0)
+    rollout = record_episode(scripted(env, [0.0, 0.0, 0.0]), env, seed=0)
     with pytest.raises(FrozenInstanceError):
         rollout.seed = 1  # type: ignore[misc]

@@ -58,7 +58,7 @@ def test_report_is_the_reports_ideal_experiment() -> None:
     assert report.ideal_plant
     assert not report.joint_stops
     assert report.torque_limit_factor == 100.0
-    assert report.torque_noise == NONE
+    assert report.torque_noise == report.force_noise == report.force_bias == 0.0
     assert report.delay_steps == 0
 
 
@@ -68,7 +68,7 @@ def test_randomized_has_stops_and_nominal_limits_and_the_nominal_plant() -> None
     assert randomized.ideal_plant
     assert randomized.joint_stops
     assert randomized.torque_limit_factor == 1.0
-    assert randomized.torque_noise == NONE
+    assert randomized.torque_noise == randomized.force_noise == randomized.force_bias == 0.0
     assert randomized.delay_steps == 0
 
 
@@ -81,7 +81,7 @@ def test_realistic_departs_from_the_nominal_arm_as_the_design_document_says() ->
     assert realistic.mass_factor == Range((0.7,) * 3, (1.3,) * 3)
     assert min(realistic.viscous_friction.high) > 0.0
     assert min(realistic.coulomb_friction.high) > 0.0
-    assert min(realistic.torque_noise) > 0.0
+    assert min(realistic.torque_noise, realistic.force_noise, realistic.force_bias) > 0.0
     assert realistic.delay_steps == 1
 
 

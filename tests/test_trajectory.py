@@ -202,7 +202,7 @@ def test_constant_references_are_recognised() -> None:
 
 @pytest.mark.parametrize(
     ("times", "positions"),
-    [((1, 1), (1, 1, 3)), ((1, 3), (1, 2, 3)), ((1, 2), (1, 2, 2)), ((2, 2), (1, 2, 3))],
+    [((1, 1), (1, 1, 3)), ((1, 3), (1, 2, 3)), ((1, 2), (1, 2)), ((2, 2), (1, 2, 3))],
 )
 def test_quintic_refuses_waypoints_of_the_wrong_shape(
     times: tuple[int, int], positions: tuple[int, ...]

@@ -51,15 +51,19 @@ def made(environment_id: str, **keywords: Any) -> Env:
     return gymnasium.make(environment_id, control_frequency=RATE, duration=DURATION, **keywords)
 
 
-def actions(seed: int = 0) -> Any:
-    return np.random.default_rng(seed).uniform(-1.0, 1.0, size=(STEPS, 3)).astype(np.float32)
+def joints(env: Env) -> int:
+    return int(np.prod(env.action_space.shape or ()))
+
+
+def actions(env: Env, seed: int = 0) -> Any:
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, size=(STEPS, joints(env))).astype(np.float32)
 
 
 def test_episode_statistics_are_those_of_the_episode(environment_id: str) -> None:
     env = RecordEpisodeStatistics(made(environment_id))
     env.reset(seed=0)
     rewards, infos = [], []
-    for action in actions():
+    for action in actions(env):
         _, reward, terminated, truncated, info = env.step(action)
         rewards.append(float(reward))
         infos.append(info)
@@ -71,11 +75,12 @@ def test_episode_statistics_are_those_of_the_episode(environment_id: str) -> Non
 
 
 def test_rescaled_actions_act_as_the_originals(environment_id: str) -> None:
-    limit = np.full(3, 5.0, dtype=np.float32)
-    plain, rescaled = made(environment_id), RescaleAction(made(environment_id), -limit, limit)
+    plain = made(environment_id)
+    limit = np.full(joints(plain), 5.0, dtype=np.float32)
+    rescaled = RescaleAction(made(environment_id), -limit, limit)
     plain.reset(seed=0)
     rescaled.reset(seed=0)
-    for action in actions():
+    for action in actions(plain):
         expected, found = plain.step(action)[0], rescaled.step(5.0 * action)[0]
         # actions in single precision: 1e-7 relative, grown by the arm's motion over half a second
         np.testing.assert_allclose(found, expected, rtol=1e-3, atol=1e-3)
@@ -84,14 +89,14 @@ def test_rescaled_actions_act_as_the_originals(environment_id: str) -> None:
 def test_shorter_time_limit_truncates_earlier(environment_id: str) -> None:
     env = TimeLimit(made(environment_id), max_episode_steps=7)
     env.reset(seed=0)
-    flags = [env.step(action)[2:4] for action in actions()[:7]]
+    flags = [env.step(action)[2:4] for action in actions(env)[:7]]
     assert flags == [(False, False)] * 6 + [(False, True)]
 
 
 def test_time_limit_of_make_is_honoured(environment_id: str) -> None:
     env = made(environment_id, max_episode_steps=3)
     env.reset(seed=0)
-    assert [env.step(action)[3] for action in actions()[:3]] == [False, False, True]
+    assert [env.step(action)[3] for action in actions(env)[:3]] == [False, False, True]
 
 
 def test_stacked_frames_are_the_last_observations(environment_id: str) -> None:
@@ -99,7 +104,7 @@ def test_stacked_frames_are_the_last_observations(environment_id: str) -> None:
     frames = [plain.reset(seed=0)[0]]
     stack, _ = stacked.reset(seed=0)
     np.testing.assert_array_equal(stack, np.stack([frames[0]] * 3))
-    for action in actions():
+    for action in actions(plain):
         frames.append(plain.step(action)[0])
         stack = stacked.step(action)[0]
         if len(frames) >= 3:
@@ -111,7 +116,7 @@ def test_observations_can_be_normalized(environment_id: str) -> None:
     seen = []
     for episode in range(8):
         seen.append(env.reset(seed=episode)[0])
-        seen += [env.step(action)[0] for action in actions(episode)]
+        seen += [env.step(action)[0] for action in actions(env, episode)]
     values = np.array(seen)
     assert np.isfinite(values).all()
     # running mean and variance, so only roughly: within some standard deviations
@@ -128,7 +133,7 @@ def test_film_of_an_episode_is_written(drawing: None, environment_id: str, tmp_p
         disable_logger=True,
     )
     env.reset(seed=0)
-    for action in actions():
+    for action in actions(env):
         env.step(action)
     env.close()
     films = list(folder.glob("*.mp4"))
@@ -142,7 +147,7 @@ def test_synchronous_vector_equals_its_environments(environment_id: str) -> None
     observations, _ = vector.reset(seed=5)
     expected = [env.reset(seed=5 + index)[0] for index, env in enumerate(singles)]
     np.testing.assert_array_equal(observations, expected)
-    for action in actions():
+    for action in actions(singles[0]):
         batch = np.stack([action, -action, 0.5 * action])
         observations, rewards, terminated, truncated, infos = vector.step(batch)
         outcomes = [env.step(row) for env, row in zip(singles, batch, strict=True)]
@@ -159,7 +164,7 @@ def test_vector_of_make_vec_goes_on_after_an_episode(environment_id: str) -> Non
         environment_id, num_envs=2, control_frequency=RATE, duration=DURATION, vectorization_mode="sync"
     )
     vector.reset(seed=0)
-    ends = [vector.step(np.zeros((2, 3), dtype=np.float32))[3] for _ in range(2 * STEPS + 2)]
+    ends = [vector.step(np.zeros(vector.action_space.shape or (), dtype=np.float32))[3] for _ in range(2 * STEPS + 2)]
     # with autoreset in the next step an episode takes one more
     np.testing.assert_array_equal(np.flatnonzero([end.all() for end in ends]), [STEPS - 1, 2 * STEPS])
     vector.close()
@@ -169,7 +174,7 @@ def test_monitor_reports_return_and_length(environment_id: str) -> None:
     env = Monitor(made(environment_id))
     env.reset(seed=0)
     rewards = []
-    for action in actions():
+    for action in actions(env):
         _, reward, _, _, info = env.step(action)
         rewards.append(float(reward))
     assert info["episode"]["l"] == STEPS
@@ -189,5 +194,5 @@ def test_ppo_learns_a_little_in_a_vector(environment_id: str) -> None:
     observation = vector.reset()
     assert isinstance(observation, np.ndarray)
     action, _ = agent.predict(observation, deterministic=True)
-    assert action.shape == (2, 3)
+    assert action.shape == (2, *(vector.action_space.shape or ()))
     vector.close()
