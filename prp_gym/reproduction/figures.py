@@ -166,7 +166,7 @@ def _with_subscripts(text: str) -> str:
 
 
 def table(outcome: FigureOutcome) -> str:
-    """What a figure shows, as CSV: time [s] and a column a curve, whose cell is empty where it has no value."""
+    """What a figure shows, as CSV: a column of time [s], one a curve, empty where it has no value."""
     columns: dict[str, Curve] = {}
     for item in axes_of(outcome):
         for curve in (*item.curves, *item.reference):
