@@ -1,11 +1,16 @@
 """Closed forms of the contact experiments, entered among `FORMULAS`."""
 
-import math
+from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
 from prp_gym.reproduction.predictions import formula
 from prp_gym.robot.parameters import NOMINAL
+from prp_gym.tasks.trajectory import QuinticWaypoints
+
+_STEP = 2e-4  # s; half of it changes no force by more than 1e-5 of itself
+_HORIZON = 3.0  # s
 
 
 @formula
@@ -51,75 +56,119 @@ def compliance_peak_force(
     proportional_gain: float,
     derivative_gain: float,
     surface_stiffness: float,
+    surface: float,
     start: float,
     desired: float,
-    surface: float,
 ) -> float:
-    """First peak of K (y - y_e), where m ÿ + K_D ẏ + K_P (y - y_d) + K max(y - y_e, 0) = 0, m = m_2 + m_3.
+    """Largest force of m ÿ + K_D ẏ + K_P (y - y_d) + K max(y - y_e, 0) = 0, m = m_2 + m_3.
 
-    At q_1 = q_3 = 0 the arm is this one mass along y, and nothing couples it to the other joints: free from
-    rest until it touches the surface, then with the surface's spring.
+    At q_1 = q_3 = 0 the arm is this one mass along y, and nothing couples it to the other joints.
 
     Args:
         proportional_gain: K_P along y [N/m].
         derivative_gain: K_D along y [N s/m].
         surface_stiffness: K [N/m].
-        start: y(0), at rest, on the free side [m].
-        desired: y_d, beyond the surface [m].
-        surface: y_e [m].
+        surface: y_e; the free side is below it [m].
+        start: y(0), at rest [m].
+        desired: y_d [m].
 
     Returns:
-        peak force [N].
+        largest contact force [N].
 
-    Source: [S] 9.2.1, its one-degree-of-freedom example; [R] 11.
+    Source: [S] 9.2.1; [R] 11.
     """
     mass = NOMINAL.link_mass[1] + NOMINAL.link_mass[2]
-    free = _Oscillator(mass, derivative_gain, proportional_gain, desired, start, 0.0)
-    touch = _first_crossing(free, surface)
-    rest = spring_position(proportional_gain, surface_stiffness, desired, surface)
-    stiffness = proportional_gain + surface_stiffness
-    pressed = _Oscillator(mass, derivative_gain, stiffness, rest, surface, free.velocity(touch))
-    return surface_stiffness * (pressed.position(pressed.first_rest()) - surface)
+    target = (mass, derivative_gain, proportional_gain)
+    return max(_model_forces(target, surface_stiffness, surface, (0.0, 1.0), (desired, desired), start))
 
 
-class _Oscillator:
-    """m ẍ + c ẋ + k (x - x_s) = 0, underdamped, from a position and a velocity."""
+@formula
+def model_peak_force(
+    target: Sequence[float],
+    surface_stiffness: float,
+    surface: float,
+    times: Sequence[float],
+    positions: Sequence[float],
+) -> float:
+    """Largest force of M (ÿ_d - ÿ) + K_D (ẏ_d - ẏ) + K_P (y_d - y) = K max(y - y_e, 0).
 
-    def __init__(
-        self, mass: float, damping: float, stiffness: float, rest: float, position: float, velocity: float
-    ) -> None:
-        self.rest = rest
-        self.decay = damping / (2.0 * mass)
-        self.rate = math.sqrt(stiffness / mass - self.decay**2)
-        self.cosine = position - rest
-        self.sine = (velocity + self.decay * self.cosine) / self.rate
+    Args:
+        target: M [kg], K_D [N s/m] and K_P [N/m] along y.
+        surface_stiffness: K [N/m].
+        surface: y_e; the free side is below it [m].
+        times: of the reference's waypoints; quintic segments between them [s].
+        positions: of the waypoints along y; at rest on the first one at t = 0 [m].
 
-    def position(self, time: float) -> float:
-        angle = self.rate * time
-        swing = self.cosine * math.cos(angle) + self.sine * math.sin(angle)
-        return self.rest + math.exp(-self.decay * time) * swing
+    Returns:
+        largest contact force [N].
 
-    def velocity(self, time: float) -> float:
-        angle = self.rate * time
-        cosine = self.rate * self.sine - self.decay * self.cosine
-        sine = -self.rate * self.cosine - self.decay * self.sine
-        return math.exp(-self.decay * time) * (cosine * math.cos(angle) + sine * math.sin(angle))
-
-    def first_rest(self) -> float:
-        """The first time after the start at which the velocity is zero."""
-        cosine = self.rate * self.sine - self.decay * self.cosine
-        sine = -self.rate * self.cosine - self.decay * self.sine
-        angle = math.atan2(-cosine, sine) % math.pi
-        return (angle or math.pi) / self.rate
+    Source: [S] 9.3.1, 9.3.2, integrated to fourth order; [R] 12, 13.
+    """
+    return max(
+        _model_forces(tuple(target), surface_stiffness, surface, tuple(times), tuple(positions), positions[0])
+    )
 
 
-def _first_crossing(motion: _Oscillator, level: float) -> float:
-    """When a motion that rises from rest first passes a level, by bisection."""
-    low, high = 0.0, math.pi / motion.rate
-    for _ in range(60):
-        middle = (low + high) / 2.0
-        low, high = (middle, high) if motion.position(middle) < level else (low, middle)
-    return high
+@formula
+def model_force_at(
+    time: float,
+    target: Sequence[float],
+    surface_stiffness: float,
+    surface: float,
+    times: Sequence[float],
+    positions: Sequence[float],
+) -> float:
+    """Force at t of M (ÿ_d - ÿ) + K_D (ẏ_d - ẏ) + K_P (y_d - y) = K max(y - y_e, 0).
+
+    Args:
+        time: t [s].
+        target: M [kg], K_D [N s/m] and K_P [N/m] along y.
+        surface_stiffness: K [N/m].
+        surface: y_e; the free side is below it [m].
+        times: of the reference's waypoints; quintic segments between them [s].
+        positions: of the waypoints along y; at rest on the first one at t = 0 [m].
+
+    Returns:
+        contact force [N].
+
+    Source: [S] 9.3.1, 9.3.2, integrated to fourth order; [R] 12, 13.
+    """
+    forces = _model_forces(
+        tuple(target), surface_stiffness, surface, tuple(times), tuple(positions), positions[0]
+    )
+    return forces[round(time / _STEP)]
+
+
+Scalars = tuple[float, ...]
+
+
+@cache
+def _model_forces(
+    target: Scalars, stiffness: float, surface: float, times: Scalars, positions: Scalars, start: float
+) -> list[float]:
+    """Contact forces every `_STEP` for `_HORIZON` seconds, of a mass that starts at rest."""
+    mass, damping, spring = target
+    rows = QuinticWaypoints(np.array([times]), np.array([[[value] * 3 for value in positions]]))
+    half_steps = np.arange(2 * round(_HORIZON / _STEP) + 1)[:, None] * (_STEP / 2)
+    reference = rows.sample(half_steps)[:, 0, ::3].tolist()
+
+    def acceleration(index: int, position: float, velocity: float) -> float:
+        desired, rate, feedforward = reference[index]
+        force = stiffness * max(position - surface, 0.0)
+        return feedforward + (damping * (rate - velocity) + spring * (desired - position) - force) / mass
+
+    y, v, forces = start, 0.0, []
+    for index in range(0, len(reference) - 2, 2):
+        forces.append(stiffness * max(y - surface, 0.0))
+        a_1, v_2 = acceleration(index, y, v), v + _STEP / 2 * acceleration(index, y, v)
+        a_2 = acceleration(index + 1, y + _STEP / 2 * v, v_2)
+        v_3 = v + _STEP / 2 * a_2
+        a_3 = acceleration(index + 1, y + _STEP / 2 * v_2, v_3)
+        v_4 = v + _STEP * a_3
+        a_4 = acceleration(index + 2, y + _STEP * v_3, v_4)
+        y += _STEP / 6 * (v + 2 * v_2 + 2 * v_3 + v_4)
+        v += _STEP / 6 * (a_1 + 2 * a_2 + 2 * a_3 + a_4)
+    return forces
 
 
 @formula

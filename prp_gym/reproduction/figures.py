@@ -3,7 +3,7 @@
 import csv
 import io
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -30,11 +30,13 @@ class Curve(NamedTuple):
     """One line of a figure.
 
     Attributes:
+        run: whose it is.
         label: in the legend and as the column of the CSV.
         time: (n) [s].
         values: (n), in the unit of the axes.
     """
 
+    run: str
     label: str
     time: Array
     values: Array
@@ -94,7 +96,7 @@ def _curve(outcome: FigureOutcome, run: str, signal: str, component: int, until:
     played = outcome.played[run]
     time, values = series(played.rollout, signal, [component])
     shown = time <= until + played.rollout.period / 2
-    return Curve(played.run.label, time[shown], values[shown, 0])
+    return Curve(run, played.run.label, time[shown], values[shown, 0])
 
 
 def _predicted(outcome: FigureOutcome, panel: Panel, component: int) -> list[tuple[str, float]]:
@@ -120,9 +122,11 @@ def draw(outcome: FigureOutcome) -> bytes:
     experiment = outcome.experiment
     figure.suptitle(_with_subscripts(f"Figure {experiment.number}: {experiment.title}"), fontsize=13)
     rows = figure.subplots(len(items), 1, sharex=True, squeeze=False)[:, 0]
+    names = dict.fromkeys(curve.run for item in items for curve in item.curves)
+    colors = dict(zip(names, _COLORS, strict=False))
     lines: dict[str, Artist] = {}
     for axes, item in zip(rows, items, strict=True):
-        lines |= _draw_axis(axes, item)
+        lines |= _draw_axis(axes, item, colors)
     rows[0].set_xlim(0.0, experiment.until)
     rows[-1].set_xlabel("time [s]")
     figure.align_ylabels(list(rows))
@@ -134,7 +138,7 @@ def draw(outcome: FigureOutcome) -> bytes:
     return target.getvalue()
 
 
-def _draw_axis(axes: "Axes", item: Axis) -> dict[str, "Artist"]:
+def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str, "Artist"]:
     """Draw one axes; its curves by label."""
     levels = []
     for label, value in item.levels:
@@ -145,7 +149,7 @@ def _draw_axis(axes: "Axes", item: Axis) -> dict[str, "Artist"]:
     lines: dict[str, Artist] = {}
     for index, curve in enumerate(item.curves):  # thin over thick: equal curves are both seen
         width = 2.6 if index == 0 else 1.2
-        (line,) = axes.plot(curve.time, curve.values, color=_COLORS[index], linewidth=width)
+        (line,) = axes.plot(curve.time, curve.values, color=colors[curve.run], linewidth=width)
         lines[_with_subscripts(curve.label)] = line
     for curve in item.reference:
         (line,) = axes.plot(curve.time, curve.values, color=_REFERENCE, linewidth=1.1, linestyle="--")

@@ -221,15 +221,17 @@ def rest_error_with_wrong_masses(
 
 
 @formula
-def pose(joint_position: Sequence[float]) -> Array:
+def pose(joint_position: Sequence[float], components: Sequence[int]) -> Array:
     """Direct kinematics: x = k(q).
 
     Args:
         joint_position: q (3) [rad, m, rad].
+        components: of the pose: tip position (0 to 2) [m], ZXZ Euler angles (3 to 5) [rad].
 
     Returns:
-        (6) tip position [m] and ZXZ Euler angles [rad].
+        (components).
 
     Source: [S] 2.8; [R] 1.2.
     """
-    return PRPArm().forward_kinematics(joint_position)
+    chosen: Array = PRPArm().forward_kinematics(joint_position)[list(components)]
+    return chosen
