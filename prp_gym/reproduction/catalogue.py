@@ -27,7 +27,8 @@ from prp_gym.reproduction.predictions import FORMULAS
 from prp_gym.reproduction.signals import find_signal
 
 CHAPTERS = (
-    "joint_space.toml",
+    "joint_pd.toml",
+    "inverse_dynamics.toml",
     "adaptive.toml",
     "operational_space.toml",
     "compliance.toml",

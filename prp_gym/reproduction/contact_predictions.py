@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from prp_gym.reproduction.predictions import formula
+from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import NOMINAL
 from prp_gym.tasks.trajectory import QuinticWaypoints
 
@@ -149,8 +150,8 @@ def _model_forces(
     """Contact forces every `_STEP` for `_HORIZON` seconds, of a mass that starts at rest."""
     mass, damping, spring = target
     rows = QuinticWaypoints(np.array([times]), np.array([[[value] * 3 for value in positions]]))
-    half_steps = np.arange(2 * round(_HORIZON / _STEP) + 1)[:, None] * (_STEP / 2)
-    reference = rows.sample(half_steps)[:, 0, ::3].tolist()
+    half_steps: Array = np.arange(2 * round(_HORIZON / _STEP) + 1, dtype=np.float64) * (_STEP / 2)
+    reference: list[list[float]] = rows.sample(half_steps[:, None])[:, 0, ::3].tolist()
 
     def acceleration(index: int, position: float, velocity: float) -> float:
         desired, rate, feedforward = reference[index]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.errors import InvalidValueError
+from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.reproduction.predictions import Formula
 from prp_gym.robot.arrays import Array
@@ -180,12 +180,23 @@ class Check:
     explanation: str = ""
 
     def __post_init__(self) -> None:
-        size = len(self.predict.compute())
-        for what, values in (("unit", self.unit), ("absolute tolerance", self.absolute)):
-            if len(values) not in (1, size):
-                raise InvalidValueError(f"{what} of check {self.name!r}", values, f"one, or {size}")
         if not any(self.absolute) and not self.relative:
             raise InvalidValueError(f"tolerance of check {self.name!r}", 0.0, "above 0")
+
+    def require_sizes(self, predicted: Array, measured: Array) -> None:
+        """Refuse numbers that cannot stand beside each other one by one.
+
+        Raises:
+            ShapeError: another number of measured values, units or tolerances than of predictions.
+        """
+        size = len(predicted)
+        for what, found, allowed in (
+            ("measured values", len(measured), {size}),
+            ("units", len(self.unit), {1, size}),
+            ("absolute tolerances", len(self.absolute), {1, size}),
+        ):
+            if found not in allowed:
+                raise ShapeError(f"{what} of check {self.name!r}", (found,), f"({size},)")
 
     def tolerance(self, predicted: Array) -> Array:
         """Allowed deviation from a prediction, one a component."""

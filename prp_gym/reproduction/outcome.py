@@ -76,6 +76,7 @@ def judge(experiment: Experiment, played: Mapping[str, Played]) -> FigureOutcome
 def _verdict(check: Check, played: Mapping[str, Played]) -> Verdict:
     predicted = check.predict.compute()
     measured = check.measure.compute(played[check.measure.run].rollout)
+    check.require_sizes(predicted, measured)
     return Verdict(check, predicted, measured, check.tolerance(predicted))
 
 
@@ -116,13 +117,13 @@ class _Numbers(tuple[float, ...]):
         return format(self[0], spec)
 
 
-def show(values: Array) -> str:
+def show(values: Array, digits: int = 4) -> str:
     """Numbers for a table, one or a list; equal ones once, rounding errors as 0."""
-    texts = [_show(float(value)) for value in values]
+    texts = [_show(float(value), digits) for value in values]
     return texts[0] if len(set(texts)) == 1 else f"({', '.join(texts)})"
 
 
-def _show(value: float) -> str:
+def _show(value: float, digits: int) -> str:
     if abs(value) < _NOTHING:
         return "0"
-    return f"{value:.4g}" if abs(value) >= _SMALL else f"{value:.2g}"
+    return f"{value:.{digits if abs(value) >= _SMALL else 2}g}"

@@ -162,7 +162,7 @@ def _row(verdict: Verdict) -> tuple[str, ...]:
         check.predict.text,
         show(verdict.predicted),
         show(verdict.measured),
-        f"{show(verdict.tolerance)}: {check.reason}",
+        f"{show(verdict.tolerance, digits=2)}: {check.reason}",
         verdict.word,
     )
     return tuple(cell.replace("|", "\\|") for cell in cells)

@@ -11,24 +11,28 @@ from prp_gym.reproduction.outcome import FigureOutcome, show
 _STYLES = {"pass": "green", "explained": "yellow", "FAIL": "bold red"}
 
 
+def _table(title: str) -> Table:
+    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+
+
 def verdict_table(outcomes: Sequence[FigureOutcome]) -> Table:
     """Every check of some figures."""
-    table = Table(title="predicted and measured", title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    for header in ("figure", "question"):
-        table.add_column(header, justify="right")
-    for header in ("what", "predicted", "measured", "tolerance"):
-        table.add_column(header, overflow="fold")
-    table.add_column("verdict")
+    table = _table("predicted and measured")
+    for header in ("fig.", "question"):
+        table.add_column(header, justify="right", no_wrap=True)
+    for header, width in (("what", 35), ("predicted", 22), ("measured", 22), ("tolerance", 13)):
+        table.add_column(header, width=width, overflow="fold")
+    table.add_column("verdict", no_wrap=True)
     for outcome in outcomes:
         for index, verdict in enumerate(outcome.verdicts):
             check = verdict.check
             table.add_row(
                 "" if index else str(outcome.experiment.number),
                 check.question,
-                f"{check.what} \\[{', '.join(check.unit)}]",
+                f"{check.what} \\[{', '.join(dict.fromkeys(check.unit))}]",
                 show(verdict.predicted),
                 show(verdict.measured),
-                show(verdict.tolerance),
+                show(verdict.tolerance, digits=2),
                 f"[{_STYLES[verdict.word]}]{verdict.word}[/]",
             )
     return table
@@ -36,7 +40,7 @@ def verdict_table(outcomes: Sequence[FigureOutcome]) -> Table:
 
 def answers_table(answers: Sequence[tuple[Answer, str]]) -> Table:
     """The report's questions with their answers."""
-    table = Table(title="answers", title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    table = _table("answers")
     table.add_column("question", justify="right")
     table.add_column("answer", overflow="fold")
     for answer, text in answers:
