@@ -5,10 +5,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: evaluate test lint type bench docs pictures sweep clean
+.PHONY: evaluate reproduce test lint type bench docs pictures sweep clean
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
+
+reproduce: $(VENV)/.core
+	$(BIN)/prp-gym reproduce
 
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n auto

@@ -10,8 +10,6 @@ from typing import Annotated, Any
 
 import gymnasium
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
@@ -21,10 +19,11 @@ from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play, evalua
 from prp_gym.evaluation.results import describe_evaluation, describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.registration import ENVIRONMENTS, list_envs
+from prp_gym.reproduction.command import reproduce_command
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.terminal import TABLE_WIDTH, make_console, make_progress
 
 _USAGE_ERROR = 2
-_TABLE_WIDTH = 120
 _DEFAULT_SCENARIOS = ("report", "randomized")
 
 Jobs = list[tuple[gymnasium.Env[Any, Any], list[Baseline[Any]]]]
@@ -36,13 +35,6 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-
-
-def _console(stderr: bool = False, least: int = 0) -> Console:
-    """A console of the terminal's width, or of 120 columns without one; a table may need it wider."""
-    console = Console(stderr=stderr)
-    console.width = max(console.width if console.is_terminal else _TABLE_WIDTH, least)
-    return console
 
 
 def _show_version(wanted: bool) -> None:
@@ -100,7 +92,7 @@ def evaluate_command(
     target = output / "results.json"
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     write_json(target, {**describe_run(command), "evaluations": records})
-    console = _console(least=_TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     for table in tables:
         console.print(table)
     console.print(
@@ -113,7 +105,7 @@ def _play(jobs: Jobs, episodes: int, seed: int, gains: str) -> tuple[list[dict[s
     """Evaluate every job under a progress bar: what goes into the results, and a table a place."""
     records: list[dict[str, Any]] = []
     tables: list[Table] = []
-    with _progress() as progress:
+    with make_progress() as progress:
         total = sum(episodes_to_play(made, episodes) * len(policies) for made, policies in jobs)
         bar = progress.add_task("evaluating", total=total)
         for made, policies in jobs:
@@ -154,15 +146,10 @@ def _check_used(laws: list[str], jobs: Jobs) -> None:
             )
 
 
-def _progress() -> Progress:
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, console=_console(stderr=True), transient=True)
-
-
 @app.command("list")
 def list_command() -> None:
     """Show environments, laws, and which law runs where."""
-    console = _console()
+    console = make_console()
     environments = Table(title="environments", title_justify="left")
     for header in ("id", "task", "observation fields"):
         environments.add_column(header, overflow="fold")
@@ -190,12 +177,15 @@ def list_command() -> None:
     console.print(f"scenarios: {', '.join(SCENARIOS)}")
 
 
+app.command("reproduce")(reproduce_command)
+
+
 def main() -> None:
     """Run the command; an error of this package ends with its message and exit code 2."""
     try:
         app()
     except PRPError as error:
-        _console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
+        make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
         sys.exit(_USAGE_ERROR)
 
 

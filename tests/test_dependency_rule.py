@@ -21,16 +21,25 @@ PACKAGES = {
 
 PARTS = ("prp_gym.envs", "prp_gym.baselines", "prp_gym.agents")
 APPLICATIONS = {"prp_gym", "prp_gym.cli"}  # the facade and the command line see everything but agents' tools
+REPRODUCTION = "prp_gym.reproduction"  # puts the parts together too; only the command line knows of it
 FORBIDDEN = {
-    "core": (*PARTS, "prp_gym.cli"),
-    "prp_gym.envs": ("prp_gym.baselines", "prp_gym.agents", "prp_gym.cli"),
-    "prp_gym.baselines": ("prp_gym.agents", "prp_gym.cli"),
-    "prp_gym.agents": ("prp_gym.baselines", "prp_gym.cli"),
+    "core": (*PARTS, REPRODUCTION, "prp_gym.cli"),
+    "prp_gym.envs": ("prp_gym.baselines", "prp_gym.agents", REPRODUCTION, "prp_gym.cli"),
+    "prp_gym.baselines": ("prp_gym.agents", REPRODUCTION, "prp_gym.cli"),
+    "prp_gym.agents": ("prp_gym.baselines", REPRODUCTION, "prp_gym.cli"),
+    REPRODUCTION: ("prp_gym.agents", "prp_gym.cli"),
     "application": (),
 }
 BARE_NAMES = {name for name in PACKAGES if name != "prp_gym"}
 THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
-MORE_THIRD_PARTY = {"prp_gym.cli": {"rich", "typer"}, "prp_gym.evaluation.table": {"rich"}}
+MORE_THIRD_PARTY = {
+    "prp_gym.cli": {"rich", "typer"},
+    "prp_gym.terminal": {"rich"},
+    "prp_gym.evaluation.table": {"rich"},
+    "prp_gym.reproduction.command": {"typer"},
+    "prp_gym.reproduction.table": {"rich"},
+    "prp_gym.reproduction.figures": {"matplotlib"},
+}
 
 
 def within(module: str, package: str) -> bool:
@@ -40,7 +49,7 @@ def within(module: str, package: str) -> bool:
 def layer(module: str) -> str:
     if module in APPLICATIONS:
         return "application"
-    return next((part for part in PARTS if within(module, part)), "core")
+    return next((part for part in (*PARTS, REPRODUCTION) if within(module, part)), "core")
 
 
 def imported_modules(source: str, module: str, is_package: bool) -> Iterator[str]:
@@ -129,6 +138,12 @@ CORE, ENVS, BASELINES, AGENTS = "prp_gym.tasks.x", "prp_gym.envs.x", "prp_gym.ba
         (CORE, "import scipy.linalg as la", "scipy.linalg"),
         (CORE, "from rich.table import Table", "rich.table"),
         (CORE, "import envs", "envs"),
+        (CORE, "from prp_gym.reproduction import play", "prp_gym.reproduction"),
+        (CORE, "from matplotlib.figure import Figure", "matplotlib.figure"),
+        (BASELINES, "import prp_gym.reproduction.run", "prp_gym.reproduction.run"),
+        ("prp_gym.reproduction.run", "from prp_gym.cli import app", "prp_gym.cli"),
+        ("prp_gym.reproduction.run", "import prp_gym.agents.load", "prp_gym.agents.load"),
+        ("prp_gym.reproduction.run", "import matplotlib", "matplotlib"),
         ("prp_gym.evaluation.table", "import typer", "typer"),
         (ENVS, "from prp_gym.baselines.policy import Baseline", "prp_gym.baselines.policy"),
         (ENVS, "import prp_gym.agents", "prp_gym.agents"),
@@ -168,6 +183,8 @@ def test_checker_sees_a_violation(module: str, source: str, culprit: str) -> Non
             "import typer\nfrom rich.console import Console\nfrom prp_gym.baselines import policy",
         ),
         ("prp_gym.evaluation.table", "from rich.table import Table"),
+        ("prp_gym.reproduction.run", "from prp_gym.baselines import make_baseline\nimport gymnasium"),
+        ("prp_gym.reproduction.figures", "def draw():\n    from matplotlib.figure import Figure"),
     ],
 )
 def test_checker_lets_pass_what_is_allowed(module: str, source: str) -> None:

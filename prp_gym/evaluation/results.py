@@ -92,10 +92,23 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
         OutputError: the folder cannot be made or written to.
     """
     text = json.dumps(to_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    write_file(path, text.encode())
+
+
+def write_file(path: Path, content: bytes) -> None:
+    """Write a file so that it is either whole or not there.
+
+    Args:
+        path: of the file; its folder is made if it does not exist.
+        content: of the file.
+
+    Raises:
+        OutputError: the folder cannot be made or written to.
+    """
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(text, encoding="utf-8")
+        part.write_bytes(content)
         os.replace(part, path)
     except OSError as error:
         raise OutputError(path, error) from error

@@ -1,0 +1,22 @@
+"""Reproduction of the report's experiments: figures, closed forms, measured values, verdicts."""
+
+from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
+from prp_gym.reproduction.experiment import Answer, Check, Experiment, Level, Panel, Run
+from prp_gym.reproduction.outcome import FigureOutcome, Verdict, judge
+from prp_gym.reproduction.run import Played, play
+
+__all__ = [
+    "Answer",
+    "Catalogue",
+    "Check",
+    "Experiment",
+    "FigureOutcome",
+    "Level",
+    "Panel",
+    "Played",
+    "Run",
+    "Verdict",
+    "judge",
+    "load_catalogue",
+    "play",
+]

@@ -1,0 +1,197 @@
+"""The experiments, read from the data files beside this module and checked name by name."""
+
+import inspect
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from functools import cache
+from importlib.resources import files
+from typing import Any, TypeVar
+
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.reproduction import contact_predictions  # noqa: F401 - enters its formulas
+from prp_gym.reproduction.experiment import (
+    Answer,
+    Check,
+    Experiment,
+    Level,
+    Measurement,
+    Number,
+    Panel,
+    Prediction,
+    Run,
+)
+from prp_gym.reproduction.measurements import MEASUREMENTS
+from prp_gym.reproduction.outcome import placeholders
+from prp_gym.reproduction.predictions import FORMULAS
+from prp_gym.reproduction.signals import find_signal
+
+CHAPTERS = (
+    "joint_pd.toml",
+    "inverse_dynamics.toml",
+    "adaptive.toml",
+    "operational_space.toml",
+    "compliance.toml",
+    "impedance.toml",
+    "admittance.toml",
+    "direct_force.toml",
+)
+
+T = TypeVar("T")
+Table = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """All experiments.
+
+    Attributes:
+        runs: by name.
+        experiments: by figure number, rising.
+        answers: in the order of the report's questions.
+    """
+
+    runs: Mapping[str, Run]
+    experiments: Mapping[int, Experiment]
+    answers: tuple[Answer, ...]
+
+    def choose(self, numbers: Sequence[int]) -> list[Experiment]:
+        """Figures by number, or all of them.
+
+        Raises:
+            UnknownNameError: a number that is not among them.
+        """
+        for number in numbers:
+            if number not in self.experiments:
+                valid = [f"{item:02d}" for item in self.experiments]
+                raise UnknownNameError("figure", f"{number:02d}", valid)
+        return [item for number, item in self.experiments.items() if not numbers or number in numbers]
+
+
+@cache
+def load_catalogue() -> Catalogue:
+    """The experiments of the report.
+
+    Raises:
+        UnknownNameError: a run, signal, formula, measurement, argument or check that does not exist.
+        InvalidValueError: a value that is missing or does not fit.
+    """
+    folder = files("prp_gym.reproduction")
+    return read_catalogue([folder.joinpath(name).read_text(encoding="utf-8") for name in CHAPTERS])
+
+
+def read_catalogue(texts: Sequence[str]) -> Catalogue:
+    """Experiments from the texts of data files; see `load_catalogue`."""
+    tables = [tomllib.loads(text) for text in texts]
+    runs = {
+        name: _make(Run, {"name": name, **_tuples(row, "states")}, f"run {name!r}")
+        for table in tables
+        for name, row in table["runs"].items()
+    }
+    experiments = [_experiment(row, runs) for table in tables for row in table["figures"]]
+    answers = tuple(_make(Answer, row, "answer") for table in tables for row in table["answers"])
+    _check_unique("figure", [item.number for item in experiments])
+    _check_unique("check", [check.name for item in experiments for check in item.checks])
+    names = {check.name for item in experiments for check in item.checks}
+    for answer in answers:
+        _check_known(f"check in the answer to {answer.question}", placeholders(answer.text), names)
+    return Catalogue(runs, {item.number: item for item in sorted(experiments, key=_number)}, answers)
+
+
+def _number(experiment: Experiment) -> int:
+    return experiment.number
+
+
+def _make(kind: type[T], table: Table, what: str) -> T:
+    """A dataclass from a table: no key too many, none missing."""
+    entries = {entry.name: entry for entry in fields(kind)}  # type: ignore[arg-type]
+    _check_known(f"key of {what}", table, entries)
+    for name, entry in entries.items():
+        optional = entry.default is not MISSING or entry.default_factory is not MISSING
+        if name not in table and not optional:
+            raise InvalidValueError(f"key {name!r} of {what}", "missing", "present")
+    return kind(**table)
+
+
+def _tuples(table: Table, *names: str) -> dict[str, Any]:
+    """A table whose lists, or single values, of some names are tuples."""
+    given = {name: table[name] for name in names if name in table}
+    as_tuples = {name: tuple(value) if isinstance(value, list) else (value,) for name, value in given.items()}
+    return {**table, **as_tuples}
+
+
+def _experiment(table: Table, runs: Mapping[str, Run]) -> Experiment:
+    what = f"figure {table.get('number')}"
+    checks = tuple(_check(row, runs, what) for row in table["checks"])
+    panels = tuple(_panel(row, runs, checks, what) for row in table["panels"])
+    rates = {runs[name].control_frequency for panel in panels for name in panel.runs}
+    if len(rates) > 1:
+        raise InvalidValueError(f"control frequencies in {what}", sorted(rates), "one", "Hz")
+    return _make(Experiment, {**table, "checks": checks, "panels": panels}, what)
+
+
+def _panel(table: Table, runs: Mapping[str, Run], checks: Sequence[Check], what: str) -> Panel:
+    row = _tuples(table, "components", "runs", "predictions", "limits")
+    row["levels"] = tuple(_make(Level, level, f"level in {what}") for level in table.get("levels", []))
+    panel = _make(Panel, row, f"panel of {what}")
+    for name in filter(None, (panel.signal, panel.reference)):
+        _check_components(name, panel.components)
+    _check_known("run", panel.runs, runs)
+    of_signal = [check.name for check in checks if check.measure.arguments.get("signal") == panel.signal]
+    _check_known(f"check of {panel.signal} in {what}", panel.predictions, of_signal)
+    return panel
+
+
+def _check(table: Table, runs: Mapping[str, Run], what: str) -> Check:
+    row = _tuples(table, "unit", "absolute")
+    what = f"check {table.get('name')!r} of {what}"
+    row["measure"] = _measurement(dict(table["measure"]), runs, what)
+    row["predict"] = _prediction(dict(table["predict"]), what)
+    return _make(Check, row, what)
+
+
+def _measurement(arguments: dict[str, Any], runs: Mapping[str, Run], what: str) -> Measurement:
+    name, run = arguments.pop("name", None), arguments.pop("run", None)
+    _check_known("measurement", [name], MEASUREMENTS)
+    _check_known("run", [run], runs)
+    _check_components(str(arguments.get("signal")), arguments.get("components", ()))
+    function = MEASUREMENTS[str(name)]
+    _check_arguments(function, {"rollout": None, **arguments}, what)
+    return Measurement(str(name), str(run), function, arguments)
+
+
+def _prediction(arguments: dict[str, Any], what: str) -> Number | Prediction:
+    if "name" not in arguments:
+        return _make(Number, _tuples(arguments, "value"), f"prediction of {what}")
+    name = arguments.pop("name")
+    _check_known("formula", [name], FORMULAS)
+    _check_arguments(FORMULAS[name].compute, arguments, what)
+    return Prediction(FORMULAS[name], arguments)
+
+
+def _check_arguments(function: Callable[..., Any], arguments: Table, what: str) -> None:
+    signature = inspect.signature(function)
+    _check_known(f"argument of {function.__name__} in {what}", arguments, signature.parameters)
+    try:
+        signature.bind(**arguments)
+    except TypeError as error:
+        raise InvalidValueError(
+            f"arguments of {function.__name__} in {what}", arguments, str(error)
+        ) from None
+
+
+def _check_components(signal: str, components: Sequence[int]) -> None:
+    known = range(len(find_signal(signal).symbols))
+    _check_known(f"component of {signal}", map(str, components), [str(index) for index in known])
+
+
+def _check_known(kind: str, names: Any, valid: Any) -> None:
+    for name in names:
+        if name not in valid:
+            raise UnknownNameError(kind, name, map(str, valid))
+
+
+def _check_unique(kind: str, names: Sequence[Any]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise InvalidValueError(f"{kind} {name!r}", "given twice", "given once")

@@ -1,0 +1,249 @@
+"""What an experiment of the report is: runs, panels, checks, answers; the data files make these values."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.evaluation.rollout import Rollout
+from prp_gym.reproduction.predictions import Formula
+from prp_gym.robot.arrays import Array
+
+Measure = Callable[..., Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One episode of the scenario `report`, by one law.
+
+    Attributes:
+        name: by which figures and checks refer to it.
+        label: in legends.
+        environment: id.
+        law: name of the baseline.
+        gains: name of its gain set.
+        duration: [s].
+        control_frequency: [Hz].
+        unlimited_torque: whether the actuator limits are lifted.
+        keywords: of the environment, beside these.
+        options: for `reset`.
+        overrides: settings in place of the gain set's; `model_masses` (3) [kg] stands for a model of
+            the arm with other link masses.
+        states: names for the arrays of the policy's state, in order, that are recorded beside the fields.
+        seed: of the episode.
+    """
+
+    name: str
+    label: str
+    environment: str
+    law: str
+    gains: str
+    duration: float
+    control_frequency: float = 1000.0
+    unlimited_torque: bool = False
+    keywords: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    states: tuple[str, ...] = ()
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Level:
+    """A horizontal line.
+
+    Attributes:
+        value: in the panel's unit.
+        label: in the legend.
+    """
+
+    value: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Axes of a figure: one for each component of a signal.
+
+    Attributes:
+        signal: what is drawn over time; see `prp_gym.reproduction.signals`.
+        components: of it, one axes each.
+        runs: names; the first is the figure's subject, the others are for comparison.
+        reference: signal drawn dashed, from the first run; empty for none.
+        levels: lines drawn in every axes of the panel.
+        predictions: names of checks of this signal, whose predictions are drawn where they belong.
+        limits: of the vertical axis; empty to fit the curves.
+    """
+
+    signal: str
+    components: tuple[int, ...]
+    runs: tuple[str, ...]
+    reference: str = ""
+    levels: tuple[Level, ...] = ()
+    predictions: tuple[str, ...] = ()
+    limits: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Number:
+    """A predicted value that no formula here gives.
+
+    Attributes:
+        value: one a component.
+        source: where it is from.
+    """
+
+    value: tuple[float, ...]
+    source: str
+
+    @property
+    def text(self) -> str:
+        """Where the value is from, for tables."""
+        return self.source
+
+    def compute(self) -> Array:
+        """The value."""
+        return np.array(self.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """A closed form with its arguments.
+
+    Attributes:
+        formula: the closed form.
+        arguments: by name.
+    """
+
+    formula: Formula
+    arguments: Mapping[str, Any]
+
+    @property
+    def text(self) -> str:
+        """The formula and where it is from, for tables."""
+        return f"{self.formula.text} ({self.formula.source})"
+
+    def compute(self) -> Array:
+        """The predicted value, one a component."""
+        return np.atleast_1d(np.asarray(self.formula.compute(**self.arguments), dtype=np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """A function of one recorded run.
+
+    Attributes:
+        name: of the function.
+        run: name.
+        function: the function.
+        arguments: by name.
+    """
+
+    name: str
+    run: str
+    function: Measure
+    arguments: Mapping[str, Any]
+
+    def compute(self, rollout: Rollout) -> Array:
+        """The measured value, one a component."""
+        return np.atleast_1d(np.asarray(self.function(rollout, **self.arguments), dtype=np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """A prediction beside a measurement.
+
+    Attributes:
+        name: unique; answers refer to it.
+        question: section of the report whose question it answers.
+        what: is compared, in words.
+        unit: one for all components, or one each.
+        measure: from a run.
+        predict: the prediction.
+        absolute: allowed deviation, one for all components or one each, in the unit.
+        relative: allowed deviation as a share of the prediction, on top.
+        reason: of the tolerance.
+        explanation: why physics and prediction part where the verdict may fail; empty if it may not.
+    """
+
+    name: str
+    question: str
+    what: str
+    unit: tuple[str, ...]
+    measure: Measurement
+    predict: Number | Prediction
+    reason: str
+    absolute: tuple[float, ...] = (0.0,)
+    relative: float = 0.0
+    explanation: str = ""
+
+    def __post_init__(self) -> None:
+        if not any(self.absolute) and not self.relative:
+            raise InvalidValueError(f"tolerance of check {self.name!r}", 0.0, "above 0")
+
+    def require_sizes(self, predicted: Array, measured: Array) -> None:
+        """Refuse numbers that cannot stand beside each other one by one.
+
+        Raises:
+            ShapeError: another number of measured values, units or tolerances than of predictions.
+        """
+        size = len(predicted)
+        for what, found, allowed in (
+            ("measured values", len(measured), {size}),
+            ("units", len(self.unit), {1, size}),
+            ("absolute tolerances", len(self.absolute), {1, size}),
+        ):
+            if found not in allowed:
+                raise ShapeError(f"{what} of check {self.name!r}", (found,), f"({size},)")
+
+    def tolerance(self, predicted: Array) -> Array:
+        """Allowed deviation from a prediction, one a component."""
+        return np.broadcast_to(np.array(self.absolute), predicted.shape) + self.relative * np.abs(predicted)
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """One figure of the report.
+
+    Attributes:
+        number: of the figure.
+        title: what it shows.
+        section: of the report.
+        until: end of the time axis [s].
+        panels: from top to bottom.
+        checks: on what it shows.
+        reading: what can be read off the report's own figure.
+        explanation: why that differs from what comes out here; empty if it does not.
+    """
+
+    number: int
+    title: str
+    section: str
+    until: float
+    panels: tuple[Panel, ...]
+    checks: tuple[Check, ...]
+    reading: str
+    explanation: str = ""
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """Names of the runs that it needs, each once."""
+        drawn = [name for panel in self.panels for name in panel.runs]
+        return tuple(dict.fromkeys(drawn + [check.measure.run for check in self.checks]))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A one-sentence answer to a question of the report.
+
+    Attributes:
+        question: section of the report.
+        asks: the question.
+        text: the answer, with the names of checks as placeholders for the measured numbers.
+    """
+
+    question: str
+    asks: str
+    text: str

@@ -1,0 +1,190 @@
+"""Figures of played experiments as PNG, and what they show as CSV."""
+
+import csv
+import io
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from prp_gym.reproduction.experiment import Panel
+from prp_gym.reproduction.outcome import FigureOutcome
+from prp_gym.reproduction.signals import find_signal, series
+from prp_gym.robot.arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+_SIZE = (10.0, 7.0)  # inches
+_DPI = 100
+_COLORS = ("#0b5fa5", "#d1661f", "#5a9e3d", "#8d5bb8")
+_REFERENCE = "#222222"
+_PREDICTED = "#b01030"
+_LEVEL = "#777777"
+_PREDICTION = "predicted"
+
+
+class Curve(NamedTuple):
+    """One line of a figure.
+
+    Attributes:
+        run: whose it is.
+        label: in the legend and as the column of the CSV.
+        time: (n) [s].
+        values: (n), in the unit of the axes.
+    """
+
+    run: str
+    label: str
+    time: Array
+    values: Array
+
+
+class Axis(NamedTuple):
+    """One axes of a figure, as data.
+
+    Attributes:
+        symbol: of what is drawn (mathematical text).
+        unit: of it.
+        column: name without mathematical text.
+        curves: one a run.
+        reference: curves drawn dashed, at most one.
+        levels: horizontal lines, (label, value).
+        limits: of the axis; empty to fit.
+    """
+
+    symbol: str
+    unit: str
+    column: str
+    curves: tuple[Curve, ...]
+    reference: tuple[Curve, ...]
+    levels: tuple[tuple[str, float], ...]
+    limits: tuple[float, ...]
+
+
+def axes_of(outcome: FigureOutcome) -> list[Axis]:
+    """What a figure shows, from top to bottom."""
+    return [axis for panel in outcome.experiment.panels for axis in _panel_axes(outcome, panel)]
+
+
+def _panel_axes(outcome: FigureOutcome, panel: Panel) -> Iterator[Axis]:
+    until = outcome.experiment.until
+    signal = find_signal(panel.signal)
+    for component in panel.components:
+        curves = [_curve(outcome, name, panel.signal, component, until) for name in panel.runs]
+        reference = []
+        if panel.reference:
+            reference.append(_curve(outcome, panel.runs[0], panel.reference, component, until))
+            reference[0] = reference[0]._replace(label="reference")
+        levels = [(level.label, level.value) for level in panel.levels]
+        levels += _predicted(outcome, panel, component)
+        column = f"{panel.signal}_{component + 1}"
+        yield Axis(
+            signal.symbols[component],
+            signal.units[component],
+            column,
+            tuple(curves),
+            tuple(reference),
+            tuple(levels),
+            panel.limits,
+        )
+
+
+def _curve(outcome: FigureOutcome, run: str, signal: str, component: int, until: float) -> Curve:
+    played = outcome.played[run]
+    time, values = series(played.rollout, signal, [component])
+    shown = time <= until + played.rollout.period / 2
+    return Curve(run, played.run.label, time[shown], values[shown, 0])
+
+
+def _predicted(outcome: FigureOutcome, panel: Panel, component: int) -> list[tuple[str, float]]:
+    """Predictions of the panel's checks for a component."""
+    found = []
+    for verdict in outcome.verdicts:
+        if verdict.check.name in panel.predictions:
+            all_of_them = range(len(verdict.predicted))
+            components = list(verdict.check.measure.arguments.get("components", all_of_them))
+            if component in components:
+                found.append((_PREDICTION, float(verdict.predicted[components.index(component)])))
+    return found
+
+
+def draw(outcome: FigureOutcome) -> bytes:
+    """The figure as a PNG of 1000 x 700 pixels."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # on use: the package stays light
+    from matplotlib.figure import Figure
+
+    items = axes_of(outcome)
+    figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    experiment = outcome.experiment
+    figure.suptitle(_with_subscripts(f"Figure {experiment.number}: {experiment.title}"), fontsize=13)
+    rows = figure.subplots(len(items), 1, sharex=True, squeeze=False)[:, 0]
+    names = dict.fromkeys(curve.run for item in items for curve in item.curves)
+    colors = dict(zip(names, _COLORS, strict=False))
+    lines: dict[str, Artist] = {}
+    for axes, item in zip(rows, items, strict=True):
+        lines |= _draw_axis(axes, item, colors)
+    rows[0].set_xlim(0.0, experiment.until)
+    rows[-1].set_xlabel("time [s]")
+    figure.align_ylabels(list(rows))
+    figure.legend(
+        list(lines.values()), list(lines), loc="outside lower center", ncols=len(lines), frameon=False
+    )
+    target = io.BytesIO()
+    figure.savefig(target, format="png", dpi=_DPI)
+    return target.getvalue()
+
+
+def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str, "Artist"]:
+    """Draw one axes; its curves by label."""
+    levels = []
+    for label, value in item.levels:
+        color = _PREDICTED if label == _PREDICTION else _LEVEL
+        levels.append(
+            axes.axhline(value, color=color, linewidth=1.0, label=f"{label}\n{value:.4g} {item.unit}")
+        )
+    lines: dict[str, Artist] = {}
+    for index, curve in enumerate(item.curves):  # thin over thick: equal curves are both seen
+        width = 2.6 if index == 0 else 1.2
+        (line,) = axes.plot(curve.time, curve.values, color=colors[curve.run], linewidth=width)
+        lines[_with_subscripts(curve.label)] = line
+    for curve in item.reference:
+        (line,) = axes.plot(curve.time, curve.values, color=_REFERENCE, linewidth=1.1, linestyle="--")
+        lines[curve.label] = line
+    axes.set_ylabel(f"{item.symbol} [{item.unit}]")
+    axes.grid(True, color="#dddddd", linewidth=0.6)
+    axes.margins(y=0.08)
+    if item.limits:
+        axes.set_ylim(*item.limits)
+    if levels:
+        axes.legend(handles=levels, loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=9, frameon=False)
+    return lines
+
+
+def _with_subscripts(text: str) -> str:
+    """Symbols such as K_P and q_d as mathematical text."""
+    return re.sub(r"\b([A-Za-z])_(\w+)", r"$\1_{\2}$", text)
+
+
+def table(outcome: FigureOutcome) -> str:
+    """What a figure shows, as CSV: a column of time [s], one a curve, empty where it has no value."""
+    columns: dict[str, Curve] = {}
+    for item in axes_of(outcome):
+        for curve in (*item.curves, *item.reference):
+            columns[f"{item.column} [{item.unit}] {curve.label}"] = curve
+    time = max((curve.time for curve in columns.values()), key=len)
+    target = io.StringIO()
+    writer = csv.writer(target, lineterminator="\n")
+    writer.writerow(["time [s]", *columns])
+    padded = [_padded(curve.values, len(time)) for curve in columns.values()]
+    for moment, *row in zip(time.tolist(), *padded, strict=True):
+        writer.writerow([f"{moment:.6g}", *("" if np.isnan(value) else f"{value:.9g}" for value in row)])
+    return target.getvalue()
+
+
+def _padded(values: Array, length: int) -> list[float]:
+    padded: list[float] = np.concatenate([values, np.full(length - len(values), np.nan)]).tolist()
+    return padded

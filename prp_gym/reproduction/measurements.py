@@ -1,0 +1,143 @@
+"""Named measurements: pure functions of a recorded episode, of a signal and some of its components."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.rollout import Rollout
+from prp_gym.reproduction.predictions import error_decay
+from prp_gym.reproduction.signals import series
+from prp_gym.robot.arrays import Array
+
+MEASUREMENTS: dict[str, Callable[..., Array]] = {}
+"""By name. Each takes a rollout first and returns one number a component, in the signal's units."""
+
+Components = Sequence[int]
+MeasureT = TypeVar("MeasureT", bound=Callable[..., Array])
+
+
+def _measurement(function: MeasureT) -> MeasureT:
+    """Enter a function under its name."""
+    MEASUREMENTS[function.__name__] = function
+    return function
+
+
+def _between(rollout: Rollout, signal: str, components: Components, start: float, stop: float) -> Array:
+    """The rows of a signal within [start, stop] [s]."""
+    time, values = series(rollout, signal, components)
+    half = rollout.period / 2
+    rows = values[(time > start - half) & (time < stop + half)]
+    if not len(rows):
+        raise InvalidValueError(
+            "measured interval", (start, stop), f"times from 0 to {rollout.time[-1]:g}", "s"
+        )
+    return rows
+
+
+@_measurement
+def value_at(rollout: Rollout, signal: str, time: float, components: Components = ()) -> Array:
+    """The signal at the observation nearest to a time [s]."""
+    row: Array = _between(rollout, signal, components, time, time)[0]
+    return row
+
+
+@_measurement
+def final_value(rollout: Rollout, signal: str, components: Components = ()) -> Array:
+    """The signal's last value."""
+    row: Array = series(rollout, signal, components)[1][-1]
+    return row
+
+
+@_measurement
+def maximum(rollout: Rollout, signal: str, after: float = 0.0, components: Components = ()) -> Array:
+    """The signal's largest value after a time [s]."""
+    largest: Array = np.nanmax(_between(rollout, signal, components, after, np.inf), axis=0)
+    return largest
+
+
+@_measurement
+def minimum(rollout: Rollout, signal: str, after: float = 0.0, components: Components = ()) -> Array:
+    """The signal's smallest value after a time [s]."""
+    smallest: Array = np.nanmin(_between(rollout, signal, components, after, np.inf), axis=0)
+    return smallest
+
+
+@_measurement
+def largest_magnitude(
+    rollout: Rollout, signal: str, after: float = 0.0, components: Components = ()
+) -> Array:
+    """The signal's largest absolute value after a time [s]."""
+    largest: Array = np.abs(_between(rollout, signal, components, after, np.inf)).max(axis=0)
+    return largest
+
+
+@_measurement
+def root_mean_square(rollout: Rollout, signal: str, after: float = 0.0, components: Components = ()) -> Array:
+    """√(mean of the squares) of the signal after a time [s]."""
+    mean: Array = np.sqrt(np.mean(_between(rollout, signal, components, after, np.inf) ** 2, axis=0))
+    return mean
+
+
+def _response(rollout: Rollout, signal: str, until: float, components: Components) -> Array:
+    """1 - e/e(0) of an error signal: 0 at the start, 1 at the goal."""
+    error = _between(rollout, signal, components, 0.0, until)
+    response: Array = 1.0 - error / error[0]
+    return response
+
+
+@_measurement
+def overshoot(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
+    """Largest excess of an error signal beyond zero, as a share of its first value [%]."""
+    response = _response(rollout, signal, until, components)
+    excess: Array = 100.0 * np.maximum(response.max(axis=0) - 1.0, 0.0)
+    return excess
+
+
+@_measurement
+def peak_time(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
+    """When an error signal is farthest beyond zero [s]."""
+    response = _response(rollout, signal, until, components)
+    when: Array = rollout.time[response.argmax(axis=0)]
+    return when
+
+
+@_measurement
+def settling_time(
+    rollout: Rollout, signal: str, band: float = 0.02, until: float = np.inf, components: Components = ()
+) -> Array:
+    """When an error signal has come within a share of its first value for good [s]; infinite if never."""
+    outside = np.abs(_response(rollout, signal, until, components) - 1.0) > band
+    last = [int(np.flatnonzero(column)[-1]) + 1 if column.any() else 0 for column in outside.T]
+    when: Array = np.append(rollout.time[: len(outside)], np.inf)[last]
+    return when
+
+
+@_measurement
+def deviation_from_second_order(
+    rollout: Rollout, signal: str, proportional_gain: float, derivative_gain: float
+) -> Array:
+    """Root mean square of e/e(0) minus the response of ë + K_D ė + K_P e = 0, of every component [1]."""
+    response = _response(rollout, signal, np.inf, ())
+    decay = error_decay(rollout.time, proportional_gain, derivative_gain)[:, None]
+    deviation: Array = np.sqrt(np.mean((response - 1.0 + decay) ** 2, axis=0))
+    return deviation
+
+
+@_measurement
+def spread_of_responses(rollout: Rollout, signal: str) -> Array:
+    """Largest difference at any time between the components' e/e(0) [1]."""
+    spread: Array = np.ptp(_response(rollout, signal, np.inf, ()), axis=1).max(keepdims=True)
+    return spread
+
+
+@_measurement
+def decay_rate(
+    rollout: Rollout, signal: str, target: float, start: float, stop: float, components: Components = ()
+) -> Array:
+    """ln(|e(start)|/|e(stop)|)/(stop - start) of the signal's distance e from a target [1/s]."""
+    first = np.abs(value_at(rollout, signal, start, components) - target)
+    last = np.abs(value_at(rollout, signal, stop, components) - target)
+    rate: Array = np.log(first / last) / (stop - start)
+    return rate

@@ -1,0 +1,129 @@
+"""What came out: the verdicts on a figure's checks, and the answers with their numbers."""
+
+import string
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from prp_gym.reproduction.experiment import Answer, Check, Experiment
+from prp_gym.reproduction.run import Played
+from prp_gym.robot.arrays import Array
+
+_NOTHING = 1e-12
+_SMALL = 1e-3  # below it two digits are enough
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """A check with its numbers.
+
+    Attributes:
+        check: what was compared.
+        predicted: one a component.
+        measured: one a component.
+        tolerance: one a component.
+    """
+
+    check: Check
+    predicted: Array
+    measured: Array
+    tolerance: Array
+
+    @property
+    def passed(self) -> bool:
+        """Whether every component lies within its tolerance."""
+        return bool((np.abs(self.measured - self.predicted) <= self.tolerance).all())
+
+    @property
+    def word(self) -> str:
+        """`pass`, `FAIL`, or `explained` where physics says why the two part."""
+        if self.passed:
+            return "pass"
+        return "explained" if self.check.explanation else "FAIL"
+
+
+@dataclass(frozen=True, eq=False)
+class FigureOutcome:
+    """A figure with all that was found.
+
+    Attributes:
+        experiment: the figure.
+        played: its runs by name.
+        verdicts: one a check.
+    """
+
+    experiment: Experiment
+    played: Mapping[str, Played]
+    verdicts: tuple[Verdict, ...]
+
+
+def judge(experiment: Experiment, played: Mapping[str, Played]) -> FigureOutcome:
+    """Measure and compare.
+
+    Args:
+        experiment: the figure.
+        played: recorded runs by name, at least the figure's.
+
+    Returns:
+        the figure with its verdicts.
+    """
+    own = {name: played[name] for name in experiment.runs}
+    return FigureOutcome(experiment, own, tuple(_verdict(check, own) for check in experiment.checks))
+
+
+def _verdict(check: Check, played: Mapping[str, Played]) -> Verdict:
+    predicted = check.predict.compute()
+    measured = check.measure.compute(played[check.measure.run].rollout)
+    check.require_sizes(predicted, measured)
+    return Verdict(check, predicted, measured, check.tolerance(predicted))
+
+
+def placeholders(text: str) -> set[str]:
+    """Names of the checks whose numbers a template asks for."""
+    names = (name for _, name, _, _ in string.Formatter().parse(text) if name)
+    return {name.split("[")[0] for name in names}
+
+
+def fill(answers: Sequence[Answer], outcomes: Iterable[FigureOutcome]) -> list[tuple[Answer, str]]:
+    """The answers whose checks were all made, with the measured numbers in place.
+
+    Args:
+        answers: templates; `{name}` is a check's first number, `{name[i]}` its i-th.
+        outcomes: of the figures that were run.
+
+    Returns:
+        pairs of answer and sentence, in the order of the answers.
+    """
+    values: dict[str, Any] = {}
+    for outcome in outcomes:
+        values |= {verdict.check.name: _Numbers(verdict.measured) for verdict in outcome.verdicts}
+    return [
+        (answer, answer.text.format_map(values))
+        for answer in answers
+        if placeholders(answer.text) <= set(values)
+    ]
+
+
+class _Numbers(tuple[float, ...]):
+    """Numbers of which a template formats the first unless it names another."""
+
+    def __new__(cls, values: Array) -> "_Numbers":
+        """From an array; what would be printed as -0 is 0."""
+        return super().__new__(cls, (float(value) + 0.0 for value in values))
+
+    def __format__(self, spec: str) -> str:
+        return format(self[0], spec)
+
+
+def show(values: Array, digits: int = 4) -> str:
+    """Numbers for a table, one or a list; equal ones once, rounding errors as 0."""
+    texts = [_show(float(value), digits) for value in values]
+    return texts[0] if len(set(texts)) == 1 else f"({', '.join(texts)})"
+
+
+def _show(value: float, digits: int) -> str:
+    if abs(value) < _NOTHING:
+        return "0"
+    return f"{value:.{digits if abs(value) >= _SMALL else 2}g}"

@@ -1,0 +1,237 @@
+"""Closed forms of what the experiments must give, by name: pure functions that know nothing of a run."""
+
+import inspect
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array, apply
+from prp_gym.robot.parameters import NOMINAL
+
+_ITERATIONS = 200
+_BAND = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Formula:
+    """A closed form.
+
+    Attributes:
+        name: by which data files ask for it.
+        text: the formula in one line.
+        source: where it is from.
+        compute: the function.
+    """
+
+    name: str
+    text: str
+    source: str
+    compute: Callable[..., Any]
+
+
+FunctionT = TypeVar("FunctionT", bound=Callable[..., Any])
+
+FORMULAS: dict[str, Formula] = {}
+"""By name; the first line of a function's docstring is the formula, and the last names its source."""
+
+
+def formula(function: FunctionT) -> FunctionT:
+    """Enter a function under its name."""
+    lines = inspect.cleandoc(function.__doc__ or "").splitlines()
+    source = next(line.removeprefix("Source: ") for line in lines if line.startswith("Source: "))
+    FORMULAS[function.__name__] = Formula(
+        function.__name__, lines[0].rstrip("."), source.rstrip("."), function
+    )
+    return function
+
+
+@formula
+def joint_pd_sag(desired: float, proportional_gain: float) -> Array:
+    """Sag of joint 3: K_P3 q̃_3 = g_3(q_d3 - q̃_3), q̃_1 = q̃_2 = 0.
+
+    Args:
+        desired: q_d3 [rad].
+        proportional_gain: K_P of joint 3, above the gravity gradient [N m/rad].
+
+    Returns:
+        (3) steady error q_d - q of joint PD without gravity compensation [rad, m, rad].
+
+    Source: [S] 8.5.1 with g = 0; [R] 6.2.
+    """
+    sag = 0.0
+    for _ in range(_ITERATIONS):  # a contraction: |∂g_3/∂q_3| < K_P
+        sag = float(PRPArm().gravity_vector([0.0, 0.0, desired - sag])[2]) / proportional_gain
+    return np.array([0.0, 0.0, sag])
+
+
+def error_decay(time: ArrayLike, proportional_gain: float, derivative_gain: float) -> Array:
+    """The solution of ë + K_D ė + K_P e = 0 from e = 1 at rest, K_D² != 4 K_P.
+
+    Args:
+        time: (...) [s].
+        proportional_gain: K_P [1/s^2].
+        derivative_gain: K_D [1/s].
+
+    Returns:
+        (...) error.
+    """
+    first, second = np.roots([1.0, derivative_gain, proportional_gain]).astype(np.complex128)
+    t = np.asarray(time, dtype=np.float64)
+    solution = (first * np.exp(second * t) - second * np.exp(first * t)) / (first - second)
+    return np.asarray(solution.real)
+
+
+@formula
+def error_after_step(
+    step: Sequence[float], proportional_gain: float, derivative_gain: float, time: float
+) -> Array:
+    """Response q̃(t) of q̃¨ + K_D q̃˙ + K_P q̃ = 0, q̃(0) = step, q̃˙(0) = 0.
+
+    Args:
+        step: q̃(0) (d), any unit.
+        proportional_gain: K_P [1/s^2].
+        derivative_gain: K_D [1/s].
+        time: t [s].
+
+    Returns:
+        (d) in the unit of the step.
+
+    Source: [S] 8.5.2; [R] 7.1.
+    """
+    return np.array(step) * error_decay(time, proportional_gain, derivative_gain)
+
+
+@formula
+def second_order_overshoot(proportional_gain: float, derivative_gain: float, joints: int = 3) -> Array:
+    """Overshoot: 100 exp(-πζ/√(1 - ζ²)), ζ = K_D/(2√K_P).
+
+    Args:
+        proportional_gain: K_P [1/s^2].
+        derivative_gain: K_D, below 2√K_P [1/s].
+        joints: how many have this response.
+
+    Returns:
+        (joints) overshoot [%].
+
+    Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
+    """
+    ratio = derivative_gain / (2.0 * math.sqrt(proportional_gain))
+    return np.full(joints, 100.0 * math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2)))
+
+
+@formula
+def second_order_peak_time(proportional_gain: float, derivative_gain: float, joints: int = 3) -> Array:
+    """Peak time: π/√(K_P - K_D²/4).
+
+    Args:
+        proportional_gain: K_P [1/s^2].
+        derivative_gain: K_D, below 2√K_P [1/s].
+        joints: how many have this response.
+
+    Returns:
+        (joints) time of the first peak [s].
+
+    Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
+    """
+    return np.full(joints, math.pi / math.sqrt(proportional_gain - derivative_gain**2 / 4.0))
+
+
+@formula
+def second_order_settling_time(proportional_gain: float, derivative_gain: float, joints: int = 3) -> Array:
+    """Last t with |q̃(t)| = 2 % of q̃(0), q̃¨ + K_D q̃˙ + K_P q̃ = 0.
+
+    Args:
+        proportional_gain: K_P [1/s^2].
+        derivative_gain: K_D [1/s].
+        joints: how many have this response.
+
+    Returns:
+        (joints) settling time, to 10 µs [s].
+
+    Source: [S] 8.5.2, step response of a second-order system; [R] 7.3.
+    """
+    slowest = -float(np.roots([1.0, derivative_gain, proportional_gain]).real.max())
+    time = np.arange(0.0, 10.0 / slowest, 1e-5)
+    outside = np.abs(error_decay(time, proportional_gain, derivative_gain)) > _BAND
+    return np.full(joints, time[np.flatnonzero(outside)[-1] + 1])
+
+
+@formula
+def first_torque(step: Sequence[float], proportional_gain: float) -> Array:
+    """First torque: τ(0) = B(0) K_P q̃(0) + g(0).
+
+    Args:
+        step: q̃(0) (3), from rest at home [rad, m, rad].
+        proportional_gain: K_P [1/s^2].
+
+    Returns:
+        (3) first torque of joint-space inverse dynamics [N m, N, N m].
+
+    Source: [S] 8.5.2; [R] 7.1.
+    """
+    home = np.zeros(3)
+    acceleration = proportional_gain * np.array(step)
+    return apply(PRPArm().inertia_matrix(home), acceleration) + PRPArm().gravity_vector(home)
+
+
+@formula
+def holding_torque(joint_position: Sequence[float]) -> Array:
+    """Torque at rest: τ = g(q).
+
+    Args:
+        joint_position: q (3), at rest [rad, m, rad].
+
+    Returns:
+        (3) [N m, N, N m].
+
+    Source: [S] 7.1; [R] 3.1.
+    """
+    return PRPArm().gravity_vector(joint_position)
+
+
+@formula
+def rest_error_with_wrong_masses(
+    desired: Sequence[float], masses: Sequence[float], proportional_gain: float
+) -> Array:
+    """Rest with a wrong model: B̂(q) K_P q̃ + ĝ(q) = g(q), q = q_d - q̃.
+
+    Args:
+        desired: q_d (3) [rad, m, rad].
+        masses: of the controller's model (3) [kg].
+        proportional_gain: K_P [1/s^2].
+
+    Returns:
+        (3) error at rest of inverse dynamics with the wrong model [rad, m, rad].
+
+    Source: [S] 8.5.2, imperfect compensation; [R] 7.2.
+    """
+    true, model = PRPArm(), PRPArm(NOMINAL.with_masses(masses))
+    goal = np.array(desired)
+    error = np.zeros(3)
+    for _ in range(_ITERATIONS):  # a contraction while gravity's mismatch is small against B̂ K_P
+        q = goal - error
+        mismatch = true.gravity_vector(q) - model.gravity_vector(q)
+        error[:] = np.linalg.solve(model.inertia_matrix(q), mismatch) / proportional_gain
+    return error
+
+
+@formula
+def pose(joint_position: Sequence[float], components: Sequence[int]) -> Array:
+    """Direct kinematics: x = k(q).
+
+    Args:
+        joint_position: q (3) [rad, m, rad].
+        components: of the pose: tip position (0 to 2) [m], ZXZ Euler angles (3 to 5) [rad].
+
+    Returns:
+        (components).
+
+    Source: [S] 2.8; [R] 1.2.
+    """
+    chosen: Array = PRPArm().forward_kinematics(joint_position)[list(components)]
+    return chosen

@@ -1,0 +1,168 @@
+"""Files of a reproduction: figures, their data, `summary.json` and `index.md`."""
+
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from prp_gym.evaluation.results import describe_run, write_file, write_json
+from prp_gym.reproduction.experiment import Answer
+from prp_gym.reproduction.figures import draw, table
+from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show
+from prp_gym.reproduction.run import SCENARIO, Played
+
+Answers = Sequence[tuple[Answer, str]]
+
+_HIDDEN_SETTINGS = ("model",)
+
+
+def write_figure(folder: Path, outcome: FigureOutcome) -> None:
+    """Write `figure_NN.png` and, with what it shows, `figure_NN.csv`.
+
+    Raises:
+        OutputError: the folder cannot be written to.
+    """
+    name = _name(outcome)
+    write_file(folder / f"{name}.png", draw(outcome))
+    write_file(folder / f"{name}.csv", table(outcome).encode())
+
+
+def _name(outcome: FigureOutcome) -> str:
+    return f"figure_{outcome.experiment.number:02d}"
+
+
+def write_summary(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answers, command: str) -> None:
+    """Write `summary.json`: every check and run, the answers, and what they depend on.
+
+    Raises:
+        OutputError: the folder cannot be written to.
+    """
+    about = describe_run(command)
+    about["versions"] |= {"matplotlib": version("matplotlib")}
+    del about["units"]  # of metrics; each check names its own
+    checks = [_describe_check(outcome, verdict) for outcome in outcomes for verdict in outcome.verdicts]
+    played = {name: item for outcome in outcomes for name, item in outcome.played.items()}
+    runs = {name: _describe_played(item) for name, item in played.items()}
+    texts = {answer.question: {"asks": answer.asks, "answer": text} for answer, text in answers}
+    write_json(folder / "summary.json", {**about, "checks": checks, "runs": runs, "answers": texts})
+
+
+def _describe_check(outcome: FigureOutcome, verdict: Verdict) -> dict[str, Any]:
+    check = verdict.check
+    return {
+        "figure": outcome.experiment.number,
+        "question": check.question,
+        "name": check.name,
+        "what": check.what,
+        "unit": check.unit,
+        "run": check.measure.run,
+        "measurement": {"name": check.measure.name, **check.measure.arguments},
+        "prediction": check.predict.text,
+        "predicted": verdict.predicted,
+        "measured": verdict.measured,
+        "tolerance": verdict.tolerance,
+        "reason": check.reason,
+        "verdict": verdict.word,
+        "explanation": check.explanation,
+    }
+
+
+def _describe_played(played: Played) -> dict[str, Any]:
+    run = played.run
+    return {
+        "environment": run.environment,
+        "scenario": SCENARIO,
+        "keywords": _keywords(played),
+        "options": run.options,
+        "baseline": run.law,
+        "gains": run.gains,
+        "gains_source": played.gains_source,
+        "overrides": run.overrides,
+        "settings": _settings(played),
+        "seed": run.seed,
+        "diverged": played.rollout.diverged,
+    }
+
+
+def _keywords(played: Played) -> dict[str, Any]:
+    run = played.run
+    limit = {"torque_limit": None} if run.unlimited_torque else {}
+    times = {"control_frequency": run.control_frequency, "duration": run.duration}
+    return {**times, **limit, **run.keywords}
+
+
+def _settings(played: Played) -> Mapping[str, Any]:
+    return {name: value for name, value in played.settings.items() if name not in _HIDDEN_SETTINGS}
+
+
+def write_index(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answers, command: str) -> None:
+    """Write `index.md`: answers, then every figure with its set-up, checks and explanation.
+
+    Raises:
+        OutputError: the folder cannot be written to.
+    """
+    parts = ["# The report's experiments, run again\n", f"Written by `{command}`.\n", _counts(outcomes)]
+    if answers:
+        parts.append("## Answers\n")
+        parts += [f"**{answer.question} {answer.asks}** {text}\n" for answer, text in answers]
+    parts += [_section(outcome) for outcome in outcomes]
+    write_file(folder / "index.md", "\n".join(parts).encode())
+
+
+def _counts(outcomes: Sequence[FigureOutcome]) -> str:
+    words = [verdict.word for outcome in outcomes for verdict in outcome.verdicts]
+    counts = ", ".join(f"{words.count(word)} {word}" for word in ("pass", "explained", "FAIL"))
+    return f"{len(outcomes)} figures, {len(words)} checks: {counts}.\n"
+
+
+def _section(outcome: FigureOutcome) -> str:
+    experiment, name = outcome.experiment, _name(outcome)
+    parts = [
+        f"## Figure {experiment.number}: {experiment.title}\n",
+        f"![Figure {experiment.number}]({name}.png)\n",
+        f"Section {experiment.section} of the report; data: [{name}.csv]({name}.csv).\n",
+        *(_setup(played) for played in outcome.played.values()),
+        "",
+        _checks(outcome.verdicts),
+    ]
+    if experiment.reading:
+        parts.append(f"**The report's figure.** {experiment.reading}\n")
+    explanations = [experiment.explanation, *(v.check.explanation for v in outcome.verdicts if not v.passed)]
+    parts += [f"**Explanation.** {text}\n" for text in explanations if text]
+    return "\n".join(parts)
+
+
+def _setup(played: Played) -> str:
+    run = played.run
+    keywords = ", ".join(f"{name}={value!r}" for name, value in _keywords(played).items())
+    numbers = {**_settings(played), **run.overrides}
+    settings = ", ".join(f"{name} {_plain(value)}" for name, value in numbers.items())
+    options = f", reset options {dict(run.options)}" if run.options else ""
+    return (
+        f"- {run.label}: `{run.law}`, gains `{run.gains}` ({settings}; {played.gains_source}), on"
+        f" `{run.environment}` ({keywords}{options})"
+    )
+
+
+def _plain(value: Any) -> str:
+    return str(value.tolist() if hasattr(value, "tolist") else value)
+
+
+def _checks(verdicts: Sequence[Verdict]) -> str:
+    header = ("question", "what", "formula", "prediction", "measured", "tolerance", "verdict")
+    rows = [header, ("---",) * len(header), *(_row(verdict) for verdict in verdicts)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
+
+
+def _row(verdict: Verdict) -> tuple[str, ...]:
+    check = verdict.check
+    cells = (
+        check.question,
+        f"{check.what} [{', '.join(check.unit)}]",
+        check.predict.text,
+        show(verdict.predicted),
+        show(verdict.measured),
+        f"{show(verdict.tolerance, digits=2)}: {check.reason}",
+        verdict.word,
+    )
+    return tuple(cell.replace("|", "\\|") for cell in cells)
