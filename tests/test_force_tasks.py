@@ -70,7 +70,7 @@ def test_drawn_force_asks_for_no_greater_depth_than_the_task_allows(environment_
         free = np.linalg.norm(draw(task, seed, surface_stiffness=5000.0).desired_force)
         soft = np.linalg.norm(draw(task, seed, surface_stiffness=80.0).desired_force)
         assert soft == pytest.approx(min(free, 80.0 * deepest), rel=1e-14)  # a root of three squares
-        capped += free > 80.0 * deepest
+        capped += bool(free > 80.0 * deepest)
     assert 20 < capped < 90
 
 
@@ -154,7 +154,9 @@ def test_errors_are_the_force_along_the_normal_the_tip_along_the_surface_and_the
     assert errors.shape == (3, 4, 3)
     for found, force, deviation in zip(errors, (1.5, -2.0, 5.0), deviations, strict=True):
         expected = [(force, 0.0, 0.0), deviation, (0.5, -0.5, 0.0), torque]
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-15)  # roundings of numbers below 1
+        np.testing.assert_allclose(
+            found, np.array(expected), rtol=0, atol=1e-15
+        )  # roundings of numbers below 1
     np.testing.assert_array_equal(task_of(environment_id).errors(rows[2], torque), errors[2])
 
 
@@ -206,7 +208,7 @@ def test_joint_position_asked_for_overrides_the_start_at_home() -> None:
 
 @pytest.mark.parametrize("value", [0.0, -1.0, NAN, float("inf"), "hard", (1.0, 2.0)])
 def test_impossible_force_is_refused_as_keyword(environment_id: str, value: Any) -> None:
-    with pytest.raises(InvalidValueError, match="desired_force is .* N; allowed: a finite number above 0"):
+    with pytest.raises(InvalidValueError, match=r"desired_force is .* N; allowed: a finite number above 0"):
         gymnasium.make(environment_id, desired_force=value)
 
 

@@ -86,7 +86,9 @@ def test_rates_of_the_reference_are_derivatives_of_its_pose(kind: tuple[str, Any
             np.testing.assert_allclose(now[order + 1], slope, rtol=0, atol=tolerance)
 
 
-@pytest.mark.parametrize("environment_id", [kind[0] for kind in POSE_KINDS if kind[1] != {"reference": "pose"}])
+@pytest.mark.parametrize(
+    "environment_id", [kind[0] for kind in POSE_KINDS if kind[1] != {"reference": "pose"}]
+)
 def test_references_in_joint_space_are_what_the_arm_can_do(environment_id: str) -> None:
     env = begun(environment_id)
     task = env.task
@@ -102,7 +104,7 @@ def test_references_in_joint_space_are_what_the_arm_can_do(environment_id: str) 
         J_A = np.array(columns).T
         np.testing.assert_allclose(velocity, J_A @ rate, rtol=0, atol=1e-7)
         drift = np.array(second) - J_A @ acceleration
-        # J̇_A q̇ = d²/ds² k(q + s q̇): by second differences, errors of 1e-16/1e-8 and 1e-8 times a rate's fourth
+        # J̇_A q̇ = d²/ds² k(q + s q̇): by second differences, in error by 1e-16/1e-8 and 1e-9 of a rate⁴
         along = [np.array(pose_of(*(q + s * rate))) for s in (-1e-4, 0.0, 1e-4)]
         curvature = (along[0] - 2 * along[1] + along[2]) / 1e-8
         np.testing.assert_allclose(drift, curvature, rtol=0, atol=1e-4)
@@ -128,7 +130,11 @@ def test_report_tracking_rests_at_the_poses_of_the_reports_waypoints(reference: 
         pose, velocity, acceleration = at(env, 0.5 * index)
         np.testing.assert_allclose(pose, pose_of(*waypoint), rtol=0, atol=1e-14)  # some roundings
         np.testing.assert_array_equal([velocity, acceleration], 0.0)
-    for time, waypoint in ((0.0, REPORT_WAYPOINTS[0]), (0.3, REPORT_WAYPOINTS[0]), (4.9, REPORT_WAYPOINTS[-1])):
+    for time, waypoint in (
+        (0.0, REPORT_WAYPOINTS[0]),
+        (0.3, REPORT_WAYPOINTS[0]),
+        (4.9, REPORT_WAYPOINTS[-1]),
+    ):
         pose, velocity, acceleration = at(env, time)
         np.testing.assert_allclose(pose, pose_of(*waypoint), rtol=0, atol=1e-14)
         np.testing.assert_array_equal([velocity, acceleration], 0.0)
@@ -171,7 +177,7 @@ def test_goal_is_a_joint_position_whose_pose_ends_the_reference(
     goal = (0.5, -0.12, -0.7)
     env = begun(kind[0], {"goal": goal}, scenario=scenario, **kind[1])
     np.testing.assert_allclose(at(env, 5.0)[0], pose_of(*goal), rtol=0, atol=1e-14)
-    with pytest.raises(JointLimitError, match="goal: joint 2 is 0.1 m"):
+    with pytest.raises(JointLimitError, match=r"goal: joint 2 is 0\.1 m"):
         env.reset(options={"goal": (0.0, 0.1, 0.0)})
 
 
@@ -222,5 +228,5 @@ def test_reward_is_the_declared_kernel_of_the_pose_errors(environment_id: str) -
 @pytest.mark.parametrize(("keyword", "valid"), [("reference", ("joint", "pose")), ("start", STARTS)])
 def test_unknown_reference_or_start_is_refused(keyword: str, valid: tuple[str, ...]) -> None:
     with pytest.raises(UnknownNameError, match=f"unknown {keyword} 'none'") as caught:
-        gymnasium.make(TRACKING, **{keyword: "none"})
+        environment(TRACKING, **{keyword: "none"})
     assert caught.value.valid == tuple(sorted(valid))
