@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prp_gym.envs import JointRegulation, JointTracking, PRPEnv
-from prp_gym.envs.data import load_scenario, load_task_numbers
 from prp_gym.envs.arm_task import TrajectoryStart, check_joint_limits
+from prp_gym.envs.data import load_scenario, load_task_numbers
 from prp_gym.envs.joint_task import JointTask
 from prp_gym.envs.joint_tracking import REFERENCES, TrackingOptions
 from prp_gym.envs.reference_draws import STARTS

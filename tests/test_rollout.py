@@ -101,7 +101,9 @@ def test_rows_are_those_of_a_loop_by_hand(env: Env) -> None:
         np.testing.assert_array_equal(rollout.fields[name], values)
     np.testing.assert_array_equal(rollout.reward, rewards)
     np.testing.assert_array_equal(rollout.info["cost_saturation"], saturated)
-    np.testing.assert_array_equal(rollout.torque, actions.astype(np.float64) * env.get_wrapper_attr("torque_limit"))
+    np.testing.assert_array_equal(
+        rollout.torque, actions.astype(np.float64) * env.get_wrapper_attr("torque_limit")
+    )
 
 
 def test_torque_beyond_the_actuators_is_recorded_as_it_was_clipped(env: Env) -> None:

@@ -47,6 +47,31 @@ def test_draws_cover_their_range() -> None:
     assert drawn.max() > 2.98
 
 
+def test_range_is_logarithmic_where_its_table_says_so() -> None:
+    table = {"low": [50.0], "high": [5000.0], "logarithmic": True}
+    assert Range.from_table(table) == Range((50.0,), (5000.0,), logarithmic=True)
+    assert Range.from_table(table) != Range((50.0,), (5000.0,))
+
+
+@given(SEEDS)
+def test_logarithmic_draws_lie_in_their_range_and_use_the_same_random_numbers(seed: int) -> None:
+    low, high = (50.0, 1e-3, 7.0), (5000.0, 1e3, 7.0)
+    drawn = Range(low, high, logarithmic=True).draw(np.random.default_rng(seed))
+    shares = Range((0.0,) * 3, (1.0,) * 3).draw(np.random.default_rng(seed))
+    # an exponential of a logarithm, of at most 9: some roundings
+    np.testing.assert_allclose(drawn, np.array(low) * (np.array(high) / low) ** shares, rtol=1e-14)
+    assert (drawn >= np.array(low) * (1 - 1e-14)).all()
+    assert (drawn <= np.array(high) * (1 + 1e-14)).all()
+
+
+def test_logarithmic_draws_are_uniform_over_the_decades() -> None:
+    rng = np.random.default_rng(0)
+    drawn = np.array([Range((50.0,), (5000.0,), logarithmic=True).draw(rng)[0] for _ in range(4000)])
+    # a quarter of the draws in each half decade: five standard deviations of 4000 such tosses
+    counts = np.histogram(np.log10(drawn / 50.0), bins=[0.0, 0.5, 1.0, 1.5, 2.0])[0]
+    np.testing.assert_allclose(counts / 4000, 0.25, rtol=0, atol=5 * np.sqrt(0.25 * 0.75 / 4000))
+
+
 def test_scenarios_are_known_by_their_names(scenario: Scenario) -> None:
     assert LOADED[scenario.name] is scenario
     assert scenario.description.endswith(".")

@@ -220,7 +220,7 @@ def test_errors_of_the_sensor_do_not_change_what_is_true_or_happens(environment_
     twin._loop._sensors = IdealSensors()
     touched = 0
     for action in np.random.default_rng(0).uniform(-0.01, 0.01, size=(150, 3)):
-        observation, *judged = env.step(action)
+        _, *judged = env.step(action)
         undisturbed, *expected = twin.step(action)
         assert judged == expected
         np.testing.assert_array_equal(env.truth, twin.truth)
@@ -236,13 +236,11 @@ def reward_of(env: PRPEnv, parts: dict[str, Array], normal_error: float) -> floa
     inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
     deviation = parts["desired_pose"] - parts["end_effector_pose"]
     along = deviation[:3] - (deviation[:3] @ inward) * inward
-    worth = [
-        0.6 / (1.0 + abs(normal_error) / 1.0),
-        0.2 / (1.0 + np.linalg.norm(along / 0.01)),
-        0.15 / (1.0 + np.linalg.norm(deviation[3:5] / 0.1)),
-        0.05 / (1.0 + np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0])),
-    ]
-    return float(sum(worth)) / env.control_frequency
+    worth = 0.6 / (1.0 + abs(normal_error) / 1.0)
+    worth += 0.2 / (1.0 + float(np.linalg.norm(along / 0.01)))
+    worth += 0.15 / (1.0 + float(np.linalg.norm(deviation[3:5] / 0.1)))
+    worth += 0.05 / (1.0 + float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0])))
+    return worth / env.control_frequency
 
 
 def test_reward_judges_the_true_force_and_not_its_reading() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks import Constant, QuinticWaypoints, Sine, Trajectory
+from prp_gym.tasks import Constant, QuinticWaypoints, Sine, SquareAcceleration, Trajectory
 
 SEEDS = st.integers(0, 2**32 - 1)
 SHORTEST = 0.3  # of the random segments [s]
@@ -38,7 +38,15 @@ def constants(rng: np.random.Generator, count: int = 3) -> Constant:
     return Constant(rng.uniform(-3.0, 3.0, size=(count, 3)))
 
 
+def squares(rng: np.random.Generator, count: int = 3) -> SquareAcceleration:
+    start = rng.uniform(-3.0, 3.0, size=(count, 3))
+    return SquareAcceleration(
+        start, rng.uniform(0.5, 2.0, size=(count, 3)), rng.uniform(1.0, 7.0, size=(count, 3))
+    )
+
+
 KINDS: dict[str, Callable[[np.random.Generator, int], Trajectory]] = {
+    "square": squares,
     "quintic": quintics,
     "sine": sines,
     "constant": constants,
@@ -140,6 +148,81 @@ def test_sine_is_the_formula() -> None:
     np.testing.assert_allclose(values[6:], -amplitude[0] * rate[0] ** 2 * np.sin(angle), rtol=0, atol=4e-15)
 
 
+@given(SEEDS)
+def test_acceleration_of_the_square_wave_has_its_magnitude_and_the_sign_of_a_cosine(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    trajectory, time = squares(rng), rng.uniform(0.0, 9.0, size=(20, 3))
+    acceleration = trajectory.sample(time)[..., 6:]
+    cosine = np.cos(trajectory.angular_frequency * time[..., None])
+    clear = np.abs(cosine) > 1e-9  # where rounding does not decide the sign
+    expected = np.sign(cosine) * trajectory.magnitude
+    np.testing.assert_array_equal(acceleration[clear], expected[clear])
+
+
+@given(SEEDS)
+def test_square_wave_integrated_by_hand_is_its_velocity_and_position(seed: int) -> None:
+    trajectory = squares(np.random.default_rng(seed), 1)
+    step = 1e-4
+    time: Array = step * np.arange(30_001, dtype=np.float64)
+    values = trajectory.sample(time[:, None])[:, 0]
+    middle = trajectory.sample((time[:-1] + step / 2)[:, None])[:, 0]
+    velocity = np.cumsum(np.vstack([np.zeros(3), middle[:, 6:] * step]), axis=0)
+    # each of at most 3 · 7 · 2/(2π) + 1 = 8 jumps by at most 4 falls anywhere in its step: 2e-4 each
+    np.testing.assert_allclose(values[:, 3:6], velocity, rtol=0, atol=2e-3)
+    position = trajectory.start[0] + np.cumsum(np.vstack([np.zeros(3), middle[:, 3:6] * step]), axis=0)
+    # midpoints are exact but for steps with a jump: 8 times 4 · (1e-4)²
+    np.testing.assert_allclose(values[:, :3], position, rtol=0, atol=1e-6)
+
+
+@given(SEEDS)
+def test_square_wave_is_continuous_up_to_the_velocity_and_periodic(seed: int) -> None:
+    trajectory = squares(np.random.default_rng(seed))
+    for column in range(3):
+        quarter = np.pi / 2 / trajectory.angular_frequency[:, column]
+        for count in range(1, 9):
+            left, right = (trajectory.sample(count * quarter + shift) for shift in (-1e-9, 1e-9))
+            # 2e-9 s at speeds up to 2 · π/2 and accelerations up to 2
+            np.testing.assert_allclose(left[:, :6], right[:, :6], rtol=0, atol=1e-8)
+        again = trajectory.sample(4 * quarter)[:, [column, 3 + column]]
+        # a whole period: back at the start, at rest
+        np.testing.assert_allclose(again[:, 0], trajectory.start[:, column], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(again[:, 1], 0.0, rtol=0, atol=1e-12)
+
+
+def test_square_wave_moves_about_its_goal() -> None:
+    trajectory = squares(np.random.default_rng(8), 1)
+    positions = trajectory.sample(np.linspace(0.0, 20.0, 200_001)[:, None])[:, 0, :3]
+    # between the ends of the motion; a sample every 0.1 ms misses an end by at most 2 · (0.05 ms)²/2
+    middle = (positions.min(axis=0) + positions.max(axis=0)) / 2
+    np.testing.assert_allclose(trajectory.goal[0], middle, rtol=0, atol=1e-8)
+
+
+def test_motions_of_any_number_of_components_are_those_of_each() -> None:
+    rng = np.random.default_rng(9)
+    times = np.cumsum(rng.uniform(SHORTEST, 1.0, size=(2, 4)), axis=1)
+    positions, moments = rng.uniform(-3.0, 3.0, size=(2, 4, 6)), rng.uniform(0.0, 4.0, size=(7, 2))
+    together = QuinticWaypoints(times, positions).sample(moments)
+    assert together.shape == (7, 2, 18)
+    for component in range(6):
+        alone = QuinticWaypoints(times, positions[..., [component]]).sample(moments)
+        np.testing.assert_array_equal(together[..., component::6], alone)
+    pose = Constant(positions[:, 0]).sample(moments)
+    np.testing.assert_array_equal(pose[..., :6], np.broadcast_to(positions[:, 0], (7, 2, 6)))
+    np.testing.assert_array_equal(pose[..., 6:], np.zeros((7, 2, 12)))
+
+
+@given(SEEDS)
+def test_quintics_of_six_components_have_rates_that_are_derivatives(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    times = np.cumsum(rng.uniform(SHORTEST, 1.0, size=(2, 3)), axis=1)
+    trajectory = QuinticWaypoints(times, rng.uniform(-3.0, 3.0, size=(2, 3, 6)))
+    time = times[:, 0] + rng.uniform(0.01, 0.99, size=2) * (times[:, 1] - times[:, 0])
+    before, now, after = (trajectory.sample(time + shift) for shift in (-STEP, 0.0, STEP))
+    slope = (after - before) / (2 * STEP)
+    np.testing.assert_allclose(now[:, 6:12], slope[:, :6], rtol=0, atol=VELOCITY_TOLERANCE)
+    np.testing.assert_allclose(now[:, 12:], slope[:, 6:12], rtol=0, atol=ACCELERATION_TOLERANCE)
+
+
 def test_constant_never_moves() -> None:
     trajectory = constants(np.random.default_rng(0))
     values = trajectory.sample(np.random.default_rng(1).uniform(0.0, 1e3, size=(7, 3)))
@@ -191,13 +274,17 @@ def test_goal_is_position_centre_or_last_waypoint() -> None:
 
 def test_constant_references_are_recognised() -> None:
     rng = np.random.default_rng(5)
-    moving = (sines(rng), quintics(rng))
+    moving = (sines(rng), quintics(rng), squares(rng))
     assert not any(trajectory.is_constant for trajectory in moving)
     still_sine = sines(rng)
     still_sine.amplitude[:] = 0.0
+    still_square = squares(rng)
+    still_square.magnitude[:] = 0.0
     same_waypoint = quintics(rng)
     same_waypoint.positions[:] = same_waypoint.positions[:, :1]
-    assert all(trajectory.is_constant for trajectory in (constants(rng), still_sine, same_waypoint))
+    assert all(
+        trajectory.is_constant for trajectory in (constants(rng), still_sine, still_square, same_waypoint)
+    )
 
 
 @pytest.mark.parametrize(

@@ -164,7 +164,10 @@ def test_vector_of_make_vec_goes_on_after_an_episode(environment_id: str) -> Non
         environment_id, num_envs=2, control_frequency=RATE, duration=DURATION, vectorization_mode="sync"
     )
     vector.reset(seed=0)
-    ends = [vector.step(np.zeros(vector.action_space.shape or (), dtype=np.float32))[3] for _ in range(2 * STEPS + 2)]
+    ends = [
+        vector.step(np.zeros(vector.action_space.shape or (), dtype=np.float32))[3]
+        for _ in range(2 * STEPS + 2)
+    ]
     # with autoreset in the next step an episode takes one more
     np.testing.assert_array_equal(np.flatnonzero([end.all() for end in ends]), [STEPS - 1, 2 * STEPS])
     vector.close()
