@@ -258,6 +258,10 @@ def test_run_is_played_with_what_it_says() -> None:
     assert len(rollout.torque) == 10
     assert played.settings["model"].link_mass == pytest.approx((0.9, 0.5, 0.7))
     assert played.gains_source.startswith("gains of figures 11")
+    assert np.abs(rollout.torque).max() < 5e3
+    stiff = replace(run, overrides={"proportional_gain": 1e6})
+    assert np.abs(play(stiff).rollout.torque[0]).max() == pytest.approx(1e4)  # a hundred times 100 N
+    assert np.abs(play(replace(stiff, unlimited_torque=True)).rollout.torque[0]).max() > 2e4
     exact = play(replace(run, overrides={})).rollout
     assert not np.allclose(exact.torque, rollout.torque, rtol=1e-2)
 
