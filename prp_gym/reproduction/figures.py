@@ -23,7 +23,7 @@ _COLORS = ("#0b5fa5", "#d1661f", "#5a9e3d", "#8d5bb8")
 _REFERENCE = "#222222"
 _PREDICTED = "#b01030"
 _LEVEL = "#777777"
-_PREDICTION = "predicted"
+_PREDICTION, _REFERENCE_LABEL = "predicted", "reference"
 
 
 class Curve(NamedTuple):
@@ -77,7 +77,7 @@ def _panel_axes(outcome: FigureOutcome, panel: Panel) -> Iterator[Axis]:
         reference = []
         if panel.reference:
             reference.append(_curve(outcome, panel.runs[0], panel.reference, component, until))
-            reference[0] = reference[0]._replace(label="reference")
+            reference[0] = reference[0]._replace(label=_REFERENCE_LABEL)
         levels = [(level.label, level.value) for level in panel.levels]
         levels += _predicted(outcome, panel, component)
         column = f"{panel.signal}_{component + 1}"
@@ -130,9 +130,9 @@ def draw(outcome: FigureOutcome) -> bytes:
     rows[0].set_xlim(0.0, experiment.until)
     rows[-1].set_xlabel("time [s]")
     figure.align_ylabels(list(rows))
-    figure.legend(
-        list(lines.values()), list(lines), loc="outside lower center", ncols=len(lines), frameon=False
-    )
+    labels = sorted(lines, key=lambda label: label == _REFERENCE_LABEL)  # the reference last
+    handles = [lines[label] for label in labels]
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     target = io.BytesIO()
     figure.savefig(target, format="png", dpi=_DPI)
     return target.getvalue()
