@@ -1,11 +1,11 @@
 """The sweep that found the `tuned` gains: `python -m bench.sweep_gains [LAW ...]`.
 
-Gains follow from a bandwidth ω and a damping ratio ζ, the same for all joints or axes, as `CANDIDATES` says. A
-candidate's score is the mean over the episodes of the scenarios `randomized` and `realistic`, with seeds that no
-evaluation uses: gains that look good on the nominal arm alone may chatter with a late torque, and a median would
-hide the episodes in which a law gets stuck. Candidates that chatter, seen as torques at their limits for more than
-5 % of the time, are left out. Impedance and admittance
-have nothing to sweep: their tasks say what they are to render.
+Gains follow from a bandwidth ω and a damping ratio ζ, the same for all joints or axes, as `CANDIDATES` says.
+A candidate's score is the mean over the episodes of the scenarios `randomized` and `realistic`, with seeds
+that no evaluation uses: gains that look good on the nominal arm alone may chatter with a late torque, and a
+median would hide the episodes in which a law gets stuck. Candidates that chatter, seen as torques at their
+limits for more than 5 % of the time, are left out. Impedance, and the compliant frame of admittance, have
+nothing to sweep: their tasks say what they are to render.
 """
 
 import itertools

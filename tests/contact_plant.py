@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,8 @@ class Wall:
         depth = self.offset - np.sum(self.normal * tip, axis=-1)
         rate = -np.sum(self.normal * velocity, axis=-1)
         pressing = np.maximum(0.0, self.stiffness * depth + self.damping * rate) * (depth > 0.0)
-        return -self.normal * pressing[:, None]
+        force: Array = -self.normal * pressing[:, None]
+        return force
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +106,7 @@ class Recording:
 
 
 def simulate(
-    law: Baseline,
+    law: Baseline[Any],
     joint_position: Array,
     wall: Wall,
     desired_force: Array,
@@ -129,10 +131,10 @@ def simulate(
         observation = np.concatenate(parts[: len(law.interface.layout.names)], axis=-1)
         action, state = law.predict(observation, state)
         records.append((index * period, force, pose, q, action))
-        queue.append(action)
+        queue.append(action.astype(np.float64))
         q, v = advance(arm, q, v, queue.pop(0) * limit, wall, round(period / STEP))
-    columns = [np.array(column) for column in zip(*records, strict=True)]
-    return Recording(*columns, state or ())
+    time, forces, poses, joints, actions = (np.array(column) for column in zip(*records, strict=True))
+    return Recording(time, forces, poses, joints, actions, state or ())
 
 
 def advance(arm: PRPArm, q: Array, v: Array, torque: Array, wall: Wall, steps: int) -> tuple[Array, Array]:

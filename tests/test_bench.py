@@ -1,5 +1,7 @@
 """The measuring tools measure what they say."""
 
+from typing import Any
+
 import gymnasium
 import numpy as np
 import pytest
@@ -24,7 +26,7 @@ def test_contenders_get_the_same_actions() -> None:
 
 
 def test_inverse_dynamics_gains_are_those_of_the_oscillator() -> None:
-    gains = sweep_gains.gains("joint_inverse_dynamics", 10.0, 0.7)
+    gains = sweep_gains.CANDIDATES["joint_inverse_dynamics"](10.0, 0.7, np.ones(3))
     roots = np.roots([1.0, gains["derivative_gain"][0], gains["proportional_gain"][0]])
     np.testing.assert_allclose(np.abs(roots), 10.0, rtol=1e-12)  # rounding
     np.testing.assert_allclose(-roots.real / np.abs(roots), 0.7, rtol=1e-12)
@@ -43,8 +45,19 @@ def test_sweep_orders_candidates_and_drops_those_that_chatter(monkeypatch: pytes
     monkeypatch.setattr(sweep_gains, "FREQUENCIES", (8.0, 20.0, 400.0))
     monkeypatch.setattr(sweep_gains, "DAMPING_RATIOS", (1.0,))
     monkeypatch.setattr(sweep_gains, "EPISODES", 2)
-    env = gymnasium.make("PRP-JointTracking-v0", scenario="realistic", duration=0.5)
-    results = sweep_gains.sweep("joint_inverse_dynamics", [env])
+    monkeypatch.setattr(sweep_gains, "SCENARIOS", ("realistic",))
+    results = sweep_gains.sweep("joint_inverse_dynamics", "JointTracking", 500.0)
     # at 400 rad/s the derivative gain times the control period is 1.6: with a late torque it oscillates
     assert {frequency for _, frequency, _ in results} == {8.0, 20.0}
     assert [score for score, *_ in results] == sorted((score for score, *_ in results), reverse=True)
+
+
+def test_every_swept_law_has_candidates_and_gains_to_start_from() -> None:
+    assert set(sweep_gains.CANDIDATES) == set(sweep_gains.PLACES)
+    for law, places in sweep_gains.PLACES.items():
+        for place in places:
+            env = gymnasium.make(f"PRP-{place}-v0")
+            settings: dict[str, Any] = dict(
+                sweep_gains.CANDIDATES[law](10.0, 0.7, sweep_gains.inertia_of(law, place))
+            )
+            assert prp_gym.make_baseline(law, env, **settings).name == law

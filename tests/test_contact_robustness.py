@@ -1,7 +1,7 @@
 """The law made for a contact task, with `tuned` gains, on 50 episodes of the scenario `randomized`.
 
-Surfaces of 50 to 5000 N/m lie anywhere in reach. These are properties of the laws, not closed forms: each bound
-says what it would mean to break it.
+Surfaces of 50 to 5000 N/m lie anywhere in reach. These are properties of the laws, not closed forms: each
+bound says what it would mean to break it.
 """
 
 from contextlib import closing

@@ -9,7 +9,16 @@ import pytest
 
 from prp_gym.errors import InvalidValueError, JointLimitError, NonFiniteError, PRPError, ShapeError
 from prp_gym.robot.arrays import Array
-from tests.contact_episodes import ARM, CONTACT_IDS, assert_force, depth_of, draw, environment, task_of, truth_of
+from tests.contact_episodes import (
+    ARM,
+    CONTACT_IDS,
+    assert_force,
+    depth_of,
+    draw,
+    environment,
+    task_of,
+    truth_of,
+)
 
 PLANE = {"surface_normal": (0.0, -1.0, 0.0), "surface_offset": 0.44}
 PRESSED = {"joint_position": (0.0, -0.15, 0.0), **PLANE}  # tip at y = -0.39 m: 0.05 m deep

@@ -1,4 +1,4 @@
-"""What the force laws share: batches, episodes, limits, the touch, and singular postures of the tip's position."""
+"""What the force laws share: batches, episodes, limits, the touch, and singular postures of the tip."""
 
 from dataclasses import replace
 

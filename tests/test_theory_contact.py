@@ -1,8 +1,8 @@
 """Closed forms of contact against simulation, in the report's scenario.
 
-In steady contact the laws' closed loops are springs: no force depends on the control rate, so that the report's
-figures hold at 500 Hz as at 1000 Hz. Tolerances are those of the design, in percent; what the simulation itself
-leaves is stated where it is larger than rounding.
+In steady contact the laws' closed loops are springs: no force depends on the control rate, so that the
+report's figures hold at 500 Hz as at 1000 Hz. Tolerances are those of the design, in percent; what the
+simulation itself leaves is stated where it is larger than rounding.
 """
 
 from contextlib import closing

@@ -85,7 +85,9 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
         if step.terminated.any():
             again = np.flatnonzero(step.terminated)
             observation, starts[again] = loop.reset(again, [rngs[row] for row in again], {}), True
-    return [_rollout(inner, loop, recorder, row, int(seeds[row]), np.array(times)) for row in ids]
+    return [
+        _rollout(inner, loop, recorder, row, int(seed), np.array(times)) for row, seed in enumerate(seeds)
+    ]
 
 
 def _time_one(policy: Policy, observation: Array, state: Any, start: Any) -> float:
