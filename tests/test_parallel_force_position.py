@@ -1,4 +1,4 @@
-"""Parallel force/position control: formula, the report's steady state, all surfaces, motion across the force."""
+"""Parallel force/position control: formula, steady state, all surfaces, motion across the force."""
 
 from typing import Any
 
