@@ -155,6 +155,8 @@ def test_terminal_shows_verdicts_and_answers(reproduced: tuple[Path, int, str]) 
     assert "…" not in output
     assert output.count(" pass ") == 12
     assert all(question in output for question in QUESTIONS)
+    first_lines = [line.split()[0] for line in output.splitlines() if re.match(r" *\d+ +\d+\.\d ", line)]
+    assert first_lines == [str(number) for number in FIGURES]  # once, beside its first check
     assert str(folder / "index.md") in output.replace("\n", "")
 
 

@@ -11,7 +11,7 @@ from prp_gym.baselines import BASELINES
 from prp_gym.baselines.gains import gain_sets
 from prp_gym.errors import InvalidValueError, PRPError, ShapeError, UnknownNameError
 from prp_gym.registration import list_envs
-from prp_gym.reproduction import Catalogue, FigureOutcome, Run, Verdict, load_catalogue, play
+from prp_gym.reproduction import Catalogue, FigureOutcome, Run, Verdict, judge, load_catalogue, play
 from prp_gym.reproduction.catalogue import CHAPTERS, read_catalogue
 from prp_gym.reproduction.experiment import Number, Prediction
 from prp_gym.reproduction.outcome import fill, placeholders, show
@@ -194,6 +194,15 @@ def test_numbers_that_do_not_stand_beside_each_other_are_refused() -> None:
         replace(check, absolute=(1.0, 1.0)).require_sizes(np.zeros(3), np.zeros(3))
 
 
+def test_figure_whose_measurement_has_another_size_is_not_judged() -> None:
+    experiment = CATALOGUE.experiments[6]
+    measured = replace(experiment.checks[0].measure, arguments={"signal": "joint_error", "components": [2]})
+    wrong = replace(experiment, checks=(replace(experiment.checks[0], measure=measured),))
+    played = {name: play(replace(CATALOGUE.runs[name], duration=0.002)) for name in experiment.runs}
+    with pytest.raises(ShapeError, match="measured values of check 'pd_sag'"):
+        judge(wrong, played)
+
+
 def test_answers_are_filled_where_all_their_checks_were_made() -> None:
     experiment = CATALOGUE.experiments[6]
     verdict = replace(verdict_of([0.0] * 3, [0.0, -1e-9, -0.0192]), check=experiment.checks[0])
@@ -250,7 +259,10 @@ def test_recorder_keeps_nothing_unless_asked_and_refuses_what_is_not_there() -> 
 
 
 def test_run_is_played_with_what_it_says() -> None:
-    run = replace(CATALOGUE.runs["wrong_masses"], duration=0.01, options={"goal": [0.1, -0.1, 0.2]}, seed=3)
+    goal = [0.1, -0.1, 0.2]
+    run = replace(CATALOGUE.runs["wrong_masses"], duration=0.01, seed=3)
+    at_goal = play(replace(run, keywords={"reference": "constant"}, options={"goal": goal})).rollout
+    np.testing.assert_array_equal(at_goal.fields["desired_joint_position"][-1], goal)
     played = play(replace(run, unlimited_torque=True))
     rollout = played.rollout
     assert (rollout.scenario, rollout.seed) == ("report", 3)
