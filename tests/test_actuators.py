@@ -111,3 +111,14 @@ def test_restart_of_one_environment_leaves_the_others_noise_alone(moment: int) -
     undisturbed = noise(begun(REALISTIC, [4]), 1, moment + LONG)[:, 0]
     np.testing.assert_array_equal(np.concatenate([before, after])[:, 0], undisturbed)
     np.testing.assert_array_equal(after[:, 1], noise(begun(REALISTIC, [6]), 1, LONG)[:, 0])
+
+
+def test_drives_of_a_robot_with_one_joint_are_as_late_and_as_noisy_for_their_limit() -> None:
+    actuators = RealisticActuators(REALISTIC, np.array([30.0]), 1)
+    actuators.begin(np.arange(1), [3])
+    acting = np.array([actuators.apply(np.array([[7.0]]))[0] for _ in range(5000)])
+    assert acting.shape == (5000, 1)
+    assert abs(acting[0, 0]) < 1.0  # one period late: noise alone, of 0.005 · 30 N m
+    # five standard errors of the mean and the deviation of so many normal numbers
+    assert acting[1:].mean() == pytest.approx(7.0, abs=5 * 0.15 / np.sqrt(4999))
+    assert acting[1:].std() == pytest.approx(0.15, rel=5 / np.sqrt(2 * 4999))

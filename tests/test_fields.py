@@ -6,9 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prp_gym.errors import ShapeError, UnknownNameError
-from prp_gym.physics import MEASUREMENT_SIZE, Physics
+from prp_gym.physics import MEASUREMENT_SIZE, LinkPhysics, Physics, PhysicsSettings, Surface
 from prp_gym.tasks import Field, ObservationLayout
-from prp_gym.tasks.fields import JOINT_REFERENCE_FIELDS, MEASURED_FIELDS
+from prp_gym.tasks.fields import (
+    CONTACT_FORCE,
+    DESIRED_FORCE,
+    JOINT_REFERENCE_FIELDS,
+    LINK_FIELDS,
+    LINK_REFERENCE_FIELDS,
+    MEASURED_FIELDS,
+    POSE_REFERENCE_FIELDS,
+)
 
 HEIGHT = Field("height", ("m",), "world", (0.0,), (2.0,), "of the tip")
 SPEED = Field.symmetric("speed", ("rad/s", "m/s"), "joint", (5.0, 3.0), "of two joints")
@@ -94,7 +102,17 @@ def test_layouts_are_equal_when_their_fields_are() -> None:
     assert LAYOUT != (HEIGHT, SPEED)
 
 
-@pytest.mark.parametrize("field", DECLARED, ids=lambda field: field.name)
+OBSERVED = (
+    *DECLARED,
+    CONTACT_FORCE,
+    *POSE_REFERENCE_FIELDS,
+    DESIRED_FORCE,
+    *LINK_FIELDS,
+    *LINK_REFERENCE_FIELDS,
+)
+
+
+@pytest.mark.parametrize("field", OBSERVED, ids=lambda field: f"{field.name}-{field.shape[0]}")
 def test_declared_field_has_finite_bounds_and_a_unit_for_each_component(field: Field) -> None:
     assert len(field.units) == len(field.low) == len(field.high)
     assert np.isfinite([*field.low, *field.high]).all()
@@ -116,6 +134,12 @@ def test_declared_names_are_those_of_the_design_document() -> None:
         "desired_joint_velocity",
         "desired_joint_acceleration",
     ]
+    assert [field.name for field in POSE_REFERENCE_FIELDS] == [
+        "desired_pose",
+        "desired_velocity",
+        "desired_acceleration",
+    ]
+    assert [field.name for field in (CONTACT_FORCE, DESIRED_FORCE)] == ["contact_force", "desired_force"]
 
 
 def test_measured_fields_are_the_measurement_of_the_physics_in_its_order() -> None:
@@ -128,3 +152,23 @@ def test_measured_fields_are_the_measurement_of_the_physics_in_its_order() -> No
     np.testing.assert_array_equal(parts["joint_velocity"], physics.joint_velocity[0])
     np.testing.assert_array_equal(parts["end_effector_pose"][:3], physics.tip_position[0])
     np.testing.assert_array_equal(parts["end_effector_velocity"][:3], physics.tip_velocity[0])
+
+
+def test_contact_force_is_the_next_in_the_measurement_of_a_world_with_a_surface() -> None:
+    layout = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE))
+    physics = Physics(settings=PhysicsSettings(surface=True))
+    physics.set_surface(np.arange(1), Surface.single(100.0, (0.0, -1.0, 0.0), 0.5))
+    physics.reset(np.arange(1), np.array([[0.0, -0.2, 0.0]]), np.zeros((1, 3)))
+    assert layout.size == physics.measurement_size
+    force = layout.split(physics.measurement[0])["contact_force"]
+    np.testing.assert_array_equal(force, physics.contact_force[0])
+    assert force[1] > 1.0
+
+
+def test_fields_of_the_link_are_the_measurement_of_its_physics() -> None:
+    layout = ObservationLayout(LINK_FIELDS)
+    physics = LinkPhysics()
+    physics.reset(np.arange(1), np.array([[0.3]]), np.array([[-2.0]]))
+    assert layout.size == physics.measurement_size
+    parts = layout.split(physics.measurement[0])
+    np.testing.assert_array_equal([parts["joint_position"][0], parts["joint_velocity"][0]], [0.3, -2.0])
