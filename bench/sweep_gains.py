@@ -27,7 +27,7 @@ from prp_gym.errors import PRPError
 from prp_gym.robot.arrays import Array
 
 FREQUENCIES = (4.0, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0, 56.0, 80.0, 110.0, 160.0)  # rad/s
-DAMPING_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0)
+DAMPING_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0, 4.0, 8.0)
 EPISODES = 12  # in each scenario
 SCENARIOS = ("randomized", "realistic")
 MOST_SATURATION = 5.0  # % of joints and steps, median over the episodes of a scenario
@@ -61,6 +61,9 @@ def mean_inertia() -> Array:
     inertia: Array = np.einsum("nii->ni", arm.inertia_matrix(q)).mean(axis=0)
     return inertia
 
+
+COMPLIANCE_INERTIA = np.array([1.0, 1.0, 1.0, 0.53, 0.08, 0.08])
+"""Shares of the pose's axes in the damping of compliance control, found on a coarse grid."""
 
 Candidate = Callable[[float, float, Array], Mapping[str, Array]]
 
@@ -103,6 +106,8 @@ def inertia_of(law: str, place: str) -> Array:
     """What a law's gains are scaled with on an environment."""
     if place == "Adaptive":
         return LINK_INERTIA
+    if law == "compliance":
+        return COMPLIANCE_INERTIA
     return POSE_INERTIA if "end_effector_pose" in BASELINES[law].measured_fields else mean_inertia()
 
 
