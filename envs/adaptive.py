@@ -28,6 +28,7 @@ PLANT_OPTIONS = {
     "gravity_moment": ResetOption((), "N·m", "largest moment G of the plant's weight"),
 }
 _PATH_POINTS = 120
+_FREQUENCIES = (0.05, 20.0)  # [Hz]: beyond these a reference leaves the observation's declared bounds
 
 
 def _plant(name: str) -> dict[str, str]:
@@ -66,8 +67,9 @@ class AdaptiveOptions:
                 raise InvalidValueError(entry.name, value, "a number or None", entry.metadata["unit"])
             object.__setattr__(self, entry.name, float(value))
         frequency = self.reference_frequency
-        if frequency is not None and not (0.0 < frequency < np.inf):
-            raise InvalidValueError("reference_frequency", frequency, "above 0 and finite", "Hz")
+        low, high = _FREQUENCIES
+        if frequency is not None and not low <= frequency <= high:
+            raise InvalidValueError("reference_frequency", frequency, f"{low:g} to {high:g}", "Hz")
         make_link(self.plant())
 
     def plant(self) -> dict[str, float]:

@@ -26,7 +26,7 @@ SURFACE_OPTIONS = {
     "surface_stiffness": ResetOption((), "N/m", "stiffness K of the surface"),
     "surface_damping": ResetOption((), "N·s/m", "damping D of the surface"),
     "surface_normal": ResetOption((3,), "", "normal of the surface in the world frame, to the free side"),
-    "surface_offset": ResetOption((), "m", "normal · p of the surface's points p"),
+    "surface_offset": ResetOption((), "m", "unit normal · p of the surface's points p"),
 }
 
 
@@ -76,6 +76,8 @@ def as_numbers(what: str, value: object) -> Array:
         numbers = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise InvalidValueError(what, value, "a number or numbers", SURFACE_OPTIONS[what].unit) from None
+    if isinstance(value, (bool, np.bool_)):
+        raise InvalidValueError(what, value, "a number or numbers", SURFACE_OPTIONS[what].unit)
     if numbers.shape != SURFACE_OPTIONS[what].shape:
         raise ShapeError(what, numbers.shape, f"{SURFACE_OPTIONS[what].shape}")
     return numbers
@@ -188,22 +190,25 @@ class ContactTask(PoseReferenceTask[ContactStart]):
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
         """See `Task.draw`."""
-        names = ("contact", "side", "start", "waypoints", "interval", "surface_stiffness", "surface_damping")
-        drawn = {name: self.ranges[name].draw(rng) for name in names}
+        drawn = {name: bounds.draw(rng) for name, bounds in self.ranges.items()}
         place = ContactPlace(self.arm, drawn["contact"], 1.0 if drawn["side"][0] > 0.0 else -1.0)
         values = self.options.given() | {name: options[name] for name in SURFACE_OPTIONS if name in options}
         springs = float(drawn["surface_stiffness"][0]), float(drawn["surface_damping"][0])
         surface = make_surface(values, place.normal, place.offset, *springs)
-        offsets, intervals = self.way(drawn["waypoints"].reshape(-1, 3), drawn["interval"])
+        nowhere = np.zeros(0)
+        offsets = drawn.get("waypoints", nowhere).reshape(-1, 3)
+        offsets, intervals = self.way(offsets, drawn.get("interval", nowhere))
         before, waypoints = place.near(drawn["start"]), place.near(offsets)
         if "goal" in options:
             check_joint_limits(self.arm, "goal", options["goal"])
             waypoints[-1] = options["goal"]
         trajectory = self.draw_reference(options.get("joint_position", before), waypoints, intervals)
-        force = self.draw_force(rng, options, surface)
+        force = self.desired_force(drawn, options, surface)
         return ContactStart(*self.checked_start(before, options), trajectory, surface, force)
 
-    def draw_force(self, rng: np.random.Generator, options: Mapping[str, Array], surface: Surface) -> Array:
+    def desired_force(
+        self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface
+    ) -> Array:
         """The desired force (3) [N] by the tip on a surface (one plane); none unless a task asks for one."""
         return np.zeros(3)
 

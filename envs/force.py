@@ -1,5 +1,7 @@
 """PRP-Force-v0: press on a surface with a given force."""
 
+from typing import ClassVar
+
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.force_task import ForceOptions, ForceTask
 from prp_gym.robot.arrays import Array
@@ -10,6 +12,7 @@ class Force(ForceTask):
     """Press with f_d and hold the rest. Source: [R] 14; [S] 9.4.2."""
 
     environment_id = "PRP-Force-v0"
+    reset_options: ClassVar = {k: v for k, v in ForceTask.reset_options.items() if k != "goal"}
 
     def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
         """The start, held."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -9,9 +10,11 @@ from prp_gym.envs.config import describe
 from prp_gym.envs.contact_task import ContactStart
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.force_task import ForceOptions, ForceTask
-from prp_gym.errors import UnknownNameError
+from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.scenario import Scenario
+from prp_gym.tasks.task import TaskNumbers
 from prp_gym.tasks.trajectory import QuinticWaypoints, Trajectory
 
 STARTS = ("goal", "home")
@@ -90,9 +93,19 @@ class ForcePositionOptions(ForceOptions):
 
 
 class ForcePosition(ForceTask):
-    """Press with f_d and follow x_d in the rest. Source: [R] 15; [S] 9.4.3."""
+    """Press with f_d and follow x_d in the rest. Source: [R] 15; [S] 9.4.3.
+
+    Raises:
+        InvalidValueError: a start at home in a scenario that draws its surface.
+    """
 
     environment_id = "PRP-ForcePosition-v0"
+
+    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
+        super().__init__(numbers, scenario, options, period)
+        if options.start == "home" and not scenario.deterministic:
+            allowed = "'goal': home may lie behind a surface that is drawn (scenario 'report' draws none)"
+            raise InvalidValueError("start", options.start, allowed)
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
         """See `Task.draw`."""

@@ -26,8 +26,8 @@ def check_force(value: float) -> None:
     Raises:
         InvalidValueError: not a finite number above 0.
     """
-    good = isinstance(value, (int, float, np.number)) and np.isfinite(value) and value > 0.0
-    if not good:
+    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    if not (number and np.isfinite(value) and value > 0.0):
         raise InvalidValueError("desired_force", value, "a finite number above 0", "N")
 
 
@@ -60,11 +60,12 @@ class ForceTask(ContactTask):
         self._desired_force = self.layout.index("desired_force")
         self._forces = np.zeros((0, 3))
 
-    def draw_force(self, rng: np.random.Generator, options: Mapping[str, Array], surface: Surface) -> Array:
-        """Along the inward normal; a drawn force presses no deeper than the task's greatest depth."""
-        drawn = float(self.ranges["desired_force"].draw(rng)[0])
-        deepest = self.ranges["depth"].high[0]
-        magnitude = min(drawn, float(surface.stiffness[0]) * deepest)
+    def desired_force(
+        self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface
+    ) -> Array:
+        """Along the inward normal; a drawn force presses no deeper than the greatest depth."""
+        deepest = float(surface.stiffness[0]) * float(drawn["greatest_depth"][0])
+        magnitude = min(float(drawn["desired_force"][0]), deepest)
         if self.options.desired_force is not None:
             magnitude = self.options.desired_force
         if "desired_force" in options:

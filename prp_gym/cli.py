@@ -18,7 +18,8 @@ from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play, evaluate
 from prp_gym.evaluation.results import describe_evaluation, describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
-from prp_gym.registration import ENVIRONMENTS, list_envs
+from prp_gym.listing import list_command
+from prp_gym.registration import list_envs
 from prp_gym.reproduction.command import reproduce_command
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.terminal import TABLE_WIDTH, make_console, make_progress
@@ -146,37 +147,7 @@ def _check_used(laws: list[str], jobs: Jobs) -> None:
             )
 
 
-@app.command("list")
-def list_command() -> None:
-    """Show environments, laws, and which law runs where."""
-    console = make_console()
-    environments = Table(title="environments", title_justify="left")
-    for header in ("id", "task", "observation fields"):
-        environments.add_column(header, overflow="fold")
-    layouts = {}
-    for entry in ENVIRONMENTS:
-        made = gymnasium.make(entry.id)
-        layouts[entry.id] = made.get_wrapper_attr("observation_layout")
-        environments.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
-        made.close()
-    laws = Table(title="laws", title_justify="left")
-    for header in ("law", "what it is", "gain sets"):
-        laws.add_column(header, overflow="fold")
-    for name, law in BASELINES.items():
-        laws.add_row(name, law.summary, ", ".join(gain_sets(name)))
-    matrix = Table(title="which law runs where", title_justify="left")
-    matrix.add_column("law")
-    for environment_id in layouts:
-        matrix.add_column(environment_id, justify="center")
-    for name in BASELINES:
-        matrix.add_row(
-            name, *("yes" if name in list_baselines(layout) else "-" for layout in layouts.values())
-        )
-    for table in (environments, laws, matrix):
-        console.print(table)
-    console.print(f"scenarios: {', '.join(SCENARIOS)}")
-
-
+app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
 
 

@@ -20,7 +20,9 @@ PACKAGES = {
 """Folder in the repository, and the name under which it is imported."""
 
 PARTS = ("prp_gym.envs", "prp_gym.baselines", "prp_gym.agents")
-APPLICATIONS = {"prp_gym", "prp_gym.cli"}  # the facade and the command line see everything but agents' tools
+APPLICATIONS = {"prp_gym", "prp_gym.cli", "prp_gym.listing"}
+"""The facade and the command line see everything but agents' tools."""
+
 REPRODUCTION = "prp_gym.reproduction"  # puts the parts together too; only the command line knows of it
 FORBIDDEN = {
     "core": (*PARTS, REPRODUCTION, "prp_gym.cli"),
@@ -34,6 +36,7 @@ BARE_NAMES = {name for name in PACKAGES if name != "prp_gym"}
 THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
     "prp_gym.cli": {"rich", "typer"},
+    "prp_gym.listing": {"rich", "typer"},
     "prp_gym.terminal": {"rich"},
     "prp_gym.evaluation.table": {"rich"},
     "prp_gym.reproduction.command": {"typer"},

@@ -1,0 +1,95 @@
+"""The command `prp-gym list`."""
+
+from typing import Annotated
+
+import gymnasium
+import typer
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from prp_gym.baselines import BASELINES
+from prp_gym.baselines.gains import gain_sets
+from prp_gym.registration import ENVIRONMENTS
+from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.terminal import make_console
+
+
+def list_command(
+    matrix: Annotated[bool, typer.Option("--matrix", help="Show which law runs where, and why not.")] = False,
+) -> None:
+    """Show environments, laws and scenarios, or which law runs where."""
+    console = make_console()
+    layouts = _layouts()
+    tables = [_matrix(layouts)] if matrix else [_environments(layouts), _laws()]
+    for table in tables:
+        console.print(table)
+    if matrix:
+        for reason in _reasons(layouts):
+            console.print(reason)
+    else:
+        console.print(f"scenarios: {', '.join(SCENARIOS)}")
+
+
+def _layouts() -> dict[str, ObservationLayout]:
+    """What every environment observes, by id."""
+    layouts = {}
+    for entry in ENVIRONMENTS:
+        made = gymnasium.make(entry.id)
+        layouts[entry.id] = made.get_wrapper_attr("observation_layout")
+        made.close()
+    return layouts
+
+
+def _table(title: str, headers: tuple[str, ...]) -> Table:
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
+    for header in headers:
+        table.add_column(header, overflow="fold")
+    return table
+
+
+def _environments(layouts: dict[str, ObservationLayout]) -> Table:
+    table = _table("environments", ("id", "task", "observation fields"))
+    for entry in ENVIRONMENTS:
+        table.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
+    return table
+
+
+def _laws() -> Table:
+    table = _table("laws", ("law", "what it is", "gain sets"))
+    for name, law in BASELINES.items():
+        table.add_row(name, law.summary, ", ".join(gain_sets(name)))
+    return table
+
+
+def _matrix(layouts: dict[str, ObservationLayout]) -> Table:
+    """Environments by laws; a law's name is broken at its underscores to fit 120 columns."""
+    table = Table(
+        title="which law runs where",
+        title_justify="left",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        padding=0,
+    )
+    table.add_column("environment", no_wrap=True)
+    for name in BASELINES:
+        table.add_column(name.replace("_", "\n"), justify="center", no_wrap=True)
+    for environment_id, layout in layouts.items():
+        marks = ("-" if law.missing_fields(layout) else "yes" for law in BASELINES.values())
+        table.add_row(environment_id.removeprefix("PRP-").removesuffix("-v0"), *marks)
+    return table
+
+
+def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:
+    """What is read by some laws and not given by some environments."""
+    lacking: dict[str, tuple[list[str], list[str]]] = {}
+    for environment_id, layout in layouts.items():
+        for name, law in BASELINES.items():
+            for field in law.missing_fields(layout):
+                laws, places = lacking.setdefault(field, ([], []))
+                laws += [name] * (name not in laws)
+                places += [environment_id] * (environment_id not in places)
+    return [
+        f"{field}: read by {', '.join(laws)}; not given by {', '.join(places)}"
+        for field, (laws, places) in lacking.items()
+    ]
