@@ -22,7 +22,7 @@ from prp_gym.listing import list_command
 from prp_gym.registration import list_envs
 from prp_gym.reproduction.command import reproduce_command
 from prp_gym.tasks.scenario import SCENARIOS
-from prp_gym.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.terminal import TABLE_WIDTH, make_console, make_matrix, make_progress
 
 _USAGE_ERROR = 2
 _DEFAULT_SCENARIOS = ("report", "randomized")
@@ -94,7 +94,7 @@ def evaluate_command(
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     write_json(target, {**describe_run(command), "evaluations": records})
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for table in tables:
+    for table in (*tables, *_scores(records)):
         console.print(table)
     console.print(
         "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
@@ -123,6 +123,25 @@ def _play(jobs: Jobs, episodes: int, seed: int, gains: str) -> tuple[list[dict[s
             tables.append(evaluation_table(f"{task.environment_id}, scenario {task.scenario.name}", rows))
             made.close()
     return records, tables
+
+
+def _scores(records: list[dict[str, Any]]) -> list[Table]:
+    """The scores alone, a table a scenario; none where there is one environment only."""
+    laws = list(dict.fromkeys(record["baseline"] for record in records))
+    scores = {(r["scenario"], r["environment"], r["baseline"]): r["score"]["value"] for r in records}
+    ids = list(dict.fromkeys(record["environment"] for record in records))
+    if len(ids) == 1:
+        return []
+    tables = []
+    for scenario in dict.fromkeys(record["scenario"] for record in records):
+        rows = []
+        for environment_id in ids:
+            own = [scores.get((scenario, environment_id, law)) for law in laws]
+            best = max(value for value in own if value is not None)
+            cells = ["-" if v is None else f"{v:.3f}" + ("*" if v == best else " ") for v in own]
+            rows.append((environment_id, cells))
+        tables.append(make_matrix(f"score, scenario {scenario} (* best)", laws, rows))
+    return tables
 
 
 def _jobs(places: Iterable[tuple[str, str]], laws: list[str], gains: str, control_frequency: float) -> Jobs:

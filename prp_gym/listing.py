@@ -12,7 +12,7 @@ from prp_gym.baselines.gains import gain_sets
 from prp_gym.registration import ENVIRONMENTS
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
-from prp_gym.terminal import make_console
+from prp_gym.terminal import make_console, make_matrix
 
 
 def list_command(
@@ -63,21 +63,11 @@ def _laws() -> Table:
 
 
 def _matrix(layouts: dict[str, ObservationLayout]) -> Table:
-    """Environments by laws; a law's name is broken at its underscores to fit 120 columns."""
-    table = Table(
-        title="which law runs where",
-        title_justify="left",
-        box=SIMPLE_HEAD,
-        pad_edge=False,
-        padding=0,
+    rows = (
+        (name, ["-" if law.missing_fields(layout) else "yes" for law in BASELINES.values()])
+        for name, layout in layouts.items()
     )
-    table.add_column("environment", no_wrap=True)
-    for name in BASELINES:
-        table.add_column(name.replace("_", "\n"), justify="center", no_wrap=True)
-    for environment_id, layout in layouts.items():
-        marks = ("-" if law.missing_fields(layout) else "yes" for law in BASELINES.values())
-        table.add_row(environment_id.removeprefix("PRP-").removesuffix("-v0"), *marks)
-    return table
+    return make_matrix("which law runs where", BASELINES, rows)
 
 
 def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:

@@ -1,7 +1,11 @@
 """The terminal: width, and progress on standard error."""
 
+from collections.abc import Iterable, Sequence
+
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
 
 TABLE_WIDTH = 120
 
@@ -17,3 +21,20 @@ def make_progress() -> Progress:
     """A bar that counts, and leaves nothing behind."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     return Progress(*columns, console=make_console(stderr=True), transient=True)
+
+
+def make_matrix(title: str, laws: Iterable[str], rows: Iterable[tuple[str, Sequence[str]]]) -> Table:
+    """A table of environments by laws, whose names are broken at underscores to fit 120 columns.
+
+    Args:
+        title: of the table.
+        laws: names of the columns.
+        rows: an environment's id with a cell a law.
+    """
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=0)
+    table.add_column("environment", no_wrap=True)
+    for name in laws:
+        table.add_column(name.replace("_", "\n"), justify="center", no_wrap=True)
+    for environment_id, cells in rows:
+        table.add_row(environment_id.removeprefix("PRP-").removesuffix("-v0"), *cells)
+    return table
