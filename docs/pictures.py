@@ -11,21 +11,36 @@ from PIL import Image
 import prp_gym
 
 FOLDER = Path(__file__).parent / "images"
-SECONDS = 0.7
+SIZE = (640, 480)
+PICTURES = (
+    ("overview", "PRP-JointTracking-v0", "joint_inverse_dynamics", "randomized", 7, 0.7),
+    ("top", "PRP-JointTracking-v0", "joint_inverse_dynamics", "randomized", 7, 0.7),
+    ("contact", "PRP-Impedance-v0", "impedance", "report", 0, 1.2),
+    ("force", "PRP-ForcePosition-v0", "parallel_force_position", "randomized", 5, 2.0),
+)
+"""Name, environment, law, scenario, seed, and when in the episode [s]."""
 
 
 def main() -> None:
-    """One picture from each camera, in the middle of a tracking episode."""
+    """Draw every picture; the name of a camera stands for itself, the others are seen from the overview."""
     FOLDER.mkdir(exist_ok=True)
-    for camera in ("overview", "top"):
+    for name, environment_id, law, scenario, seed, seconds in PICTURES:
+        width, height = SIZE
         env = gymnasium.make(
-            "PRP-JointTracking-v0", render_mode="rgb_array", camera=camera, width=640, height=480
+            environment_id,
+            scenario=scenario,
+            render_mode="rgb_array",
+            camera="top" if name == "top" else "overview",
+            width=width,
+            height=height,
         )
-        policy = prp_gym.make_baseline("joint_inverse_dynamics", env)
-        observation, _ = env.reset(seed=7)
-        for _ in range(round(SECONDS * 500)):
-            observation, *_ = env.step(policy.predict(observation)[0])
-        Image.fromarray(env.render()).save(FOLDER / f"{camera}.png", optimize=True)  # type: ignore[arg-type]
+        policy = prp_gym.make_baseline(law, env)
+        observation, _ = env.reset(seed=seed)
+        state = None
+        for _ in range(round(seconds * 500)):
+            action, state = policy.predict(observation, state)
+            observation, *_ = env.step(action)
+        Image.fromarray(env.render()).save(FOLDER / f"{name}.png", optimize=True)  # type: ignore[arg-type]
         env.close()
 
 

@@ -150,10 +150,12 @@ class ContactStart(TrajectoryStart):
     Attributes:
         surface: one plane.
         desired_force: (3) by the tip on the surface, world frame [N]; zero where none is asked for.
+        touch: (3) where the tip meets the surface, for the picture [m].
     """
 
     surface: Surface
     desired_force: Array
+    touch: Array
 
 
 class ContactTask(PoseReferenceTask[ContactStart]):
@@ -204,7 +206,8 @@ class ContactTask(PoseReferenceTask[ContactStart]):
             waypoints[-1] = options["goal"]
         trajectory = self.draw_reference(options.get("joint_position", before), waypoints, intervals)
         force = self.desired_force(drawn, options, surface)
-        return ContactStart(*self.checked_start(before, options), trajectory, surface, force)
+        touch = self.arm.forward_kinematics(place.joint_position)[:3]
+        return ContactStart(*self.checked_start(before, options), trajectory, surface, force, touch)
 
     def desired_force(
         self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface
@@ -223,4 +226,5 @@ class ContactTask(PoseReferenceTask[ContactStart]):
         super().place(physics, ids, starts, plants)
         if isinstance(physics, Physics):
             surfaces = [start.surface for start in starts]
-            physics.set_surface(ids, Surface.concatenate(surfaces))
+            touches = np.stack([start.touch for start in starts])
+            physics.set_surface(ids, Surface.concatenate(surfaces), touches)

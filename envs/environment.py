@@ -22,12 +22,11 @@ from prp_gym.errors import (
 )
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import (
-    FORCE_COLOR,
     NO_DISPLAY,
-    Arrow,
     Mark,
     OffscreenRenderer,
     WindowRenderer,
+    force_arrow,
     has_display,
 )
 from prp_gym.robot.arm import PRPArm
@@ -38,7 +37,6 @@ from prp_gym.tasks.task import NoOptions, Task
 
 _ONLY = np.array([0])
 _VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
-_METRES_PER_NEWTON = 0.02  # length of the drawn force arrow
 
 
 class EnvState(NamedTuple):
@@ -250,8 +248,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         marks = self.task.marks(0, self.duration)
         force = self.physics.contact_force[0]
         if np.any(force):
-            tip = self.physics.tip_position[0]
-            marks.append(Arrow(np.array(tip), force * _METRES_PER_NEWTON, 0.008, FORCE_COLOR))
+            marks.append(force_arrow(self.physics.tip_position[0], force))
         return marks
 
     def close(self) -> None:

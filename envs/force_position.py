@@ -1,7 +1,7 @@
 """PRP-ForcePosition-v0: press on a surface while moving along it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -111,9 +111,7 @@ class ForcePosition(ForceTask):
         """See `Task.draw`."""
         if self.options.start == "home" and "joint_position" not in options:
             drawn = super().draw(rng, options)
-            return ContactStart(
-                np.zeros(3), drawn.joint_velocity, drawn.trajectory, drawn.surface, drawn.desired_force
-            )
+            return replace(drawn, joint_position=np.zeros(3))
         return super().draw(rng, options)
 
     def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:

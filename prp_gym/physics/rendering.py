@@ -60,6 +60,14 @@ class Arrow:
 
 Mark = Ball | Path | Arrow
 
+_METRES_PER_NEWTON = 0.02
+_ABOVE_TIP = np.array([0.0, 0.0, 0.05])  # [m]: beside the tip, since an arm may reach through a surface
+
+
+def force_arrow(tip_position: Array, force: Array) -> Arrow:
+    """A force (3) [N] by the tip, drawn a little above the tip (3) [m], 2 cm a newton."""
+    return Arrow(tip_position + _ABOVE_TIP, force * _METRES_PER_NEWTON, 0.008, FORCE_COLOR)
+
 
 def add_marks(scene: mujoco.MjvScene, marks: Sequence[Mark]) -> None:
     """Append marks to a scene; what no longer fits into it is left out."""

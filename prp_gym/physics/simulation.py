@@ -88,12 +88,14 @@ class Physics(Simulation):
         """(N, 3) in the world frame [m/s]."""
         return self._tip_velocity
 
-    def set_surface(self, ids: Ids, surface: Surface) -> None:
+    def set_surface(self, ids: Ids, surface: Surface, center: Array | None = None) -> None:
         """Give some simulations their own surface; takes effect at the next `reset` or `advance`.
 
         Args:
             ids: (n) the simulations.
             surface: n planes.
+            center: (n, 3) points [m] at whose projections the planes are drawn, which they extend beyond;
+                the tip at home by default.
 
         Raises:
             InvalidValueError: the world was built without a surface.
@@ -101,7 +103,7 @@ class Physics(Simulation):
         """
         if not self.settings.surface:
             raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
-        self._fields.set_surface(ids, surface, self._home_tip)
+        self._fields.set_surface(ids, surface, self._home_tip if center is None else center)
 
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
