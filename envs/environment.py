@@ -87,8 +87,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
 
     def make_loop(self, num_envs: int = 1, num_threads: int = 1) -> EpisodeLoop:
         """A new loop of environments made with this one's keywords."""
-        task = self.make_task(self.config, self.options)
-        return EpisodeLoop(task, self.config, num_envs, num_threads)
+        return EpisodeLoop(self.make_task(self.config, self.options), self.config, num_envs, num_threads)
 
     @property
     def observation_layout(self) -> ObservationLayout:
@@ -112,7 +111,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
 
     @property
     def truth(self) -> Array:
-        """What is true now (size), laid out as `task.truth_layout`; policies see the observation instead."""
+        """What is true now (size), laid out as `task.truth_layout`; policies see the observation."""
         return np.array(self._loop.truth[0])
 
     @property
@@ -152,8 +151,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
 
         Args:
             seed: of the environment's generator; the same seed gives the same bits.
-            options: values that replace what is drawn, by the names in `task.reset_options`, which
-                declares their shapes and units.
+            options: values that replace what is drawn, as `task.reset_options` declares them.
 
         Returns:
             the observation (size) and an `info` with the time [s].
@@ -285,8 +283,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         if (replace(state.config, **_VIEW), state.options) != (replace(self.config, **_VIEW), self.options):
             raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
         self.np_random.bit_generator.state = dict(state.generator)
-        observation: Array = self._loop.set_state(state.loop)[0]
-        return observation
+        return np.asarray(self._loop.set_state(state.loop)[0])
 
     def _require_started(self, method: str) -> None:
         if not self._loop.started:
