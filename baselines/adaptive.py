@@ -54,9 +54,9 @@ class Adaptive(Baseline[AdaptiveSettings]):
     q̃ = q_d - q; Y Θ = B q̈_r + C q̇_r + F_v q̇_r + F_s sign(q̇_r) + g is linear in the parameters Θ of the model,
     of the arm or of the link. The estimate Θ̂ is what the law remembers.
 
-    In continuous time and without torque limits V = ½ σᵀBσ + ½ Θ̃ᵀΓ⁻¹Θ̃ has V̇ = -σᵀ(K_D + F_v)σ - (Coulomb
-    friction: a term that is at most 0 too), so that q̃ vanishes whatever the parameters are; Θ̂ stays bounded,
-    and converges to Θ only if the reference excites every parameter. Each estimate is kept between
+    In continuous time and without torque limits V = ½ σᵀBσ + ½ Θ̃ᵀΓ⁻¹Θ̃ has V̇ = -σᵀ(K_D + F_v)σ, less a
+    term of Coulomb friction that is at least 0, so that q̃ vanishes whatever the parameters are; Θ̂ stays
+    bounded, and converges to Θ only if the reference excites every parameter. Each estimate is kept between
     Θ_0 - (1 - `lower_share`)|Θ_0| and Θ_0 + (`upper_share` - 1)|Θ_0| + `margin` of the model's own Θ_0: such
     a projection onto a box that holds Θ cannot make V grow, and keeps out masses, inertias and friction that
     nothing near the model has. The estimates stand still while an actuator is at its limit, where σ says

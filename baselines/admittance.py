@@ -65,6 +65,7 @@ class Admittance(OperationalBaseline[AdmittanceSettings]):
         "contact_force",
     )
     settings_class = AdmittanceSettings
+    rendered = ("inertia", "damping", "stiffness")
 
     def __init__(self, interface: ControlInterface, settings: AdmittanceSettings) -> None:
         super().__init__(interface, settings)

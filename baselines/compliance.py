@@ -49,6 +49,7 @@ class Compliance(OperationalStaticBaseline[ComplianceSettings]):
     name = "compliance"
     summary = "compliance control: spring and damper in the desired frame, without force measurement"
     settings_class = ComplianceSettings
+    rendered = ("stiffness",)
 
     def torque(self, observed: Observed) -> Array:
         """See the class."""

@@ -134,24 +134,24 @@ class ScheduledGain(ForceIntegral):
     contact_threshold: float
     estimator: StiffnessEstimator
 
-    arrays: ClassVar[int] = 2
+    arrays: ClassVar[int] = 3
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
         """No displacement, no contact, and an estimator that knows nothing."""
-        return np.zeros((*shape, 4)), self.estimator.begin(shape)
+        return np.zeros((*shape, 3)), np.zeros((*shape, 1)), self.estimator.begin(shape)
 
     def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
-        displacement, touching = memory[0][..., :3], memory[0][..., 3:] > 0.0
+        displacement, touching = memory[0], memory[1] > 0.0
         contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
         ahead = np.maximum(error.along(lag), 0.0)
         displacement = displacement - np.where(contact & ~touching, error.axis * ahead, 0.0)
         estimate = self.estimator.update(
-            memory[1], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
+            memory[2], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
         )
         rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None])
         after = displacement + self.estimator.period * error.axis * rate
-        return displacement, (np.concatenate([after, contact], axis=-1), estimate)
+        return displacement, (after, contact.astype(np.float64), estimate)
 
     def _threshold(self, error: ForceError) -> Array:
         half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)

@@ -58,6 +58,7 @@ class Impedance(OperationalStaticBaseline[ImpedanceSettings]):
     summary = "impedance control: mass, damper and spring, with force measurement"
     measured_fields = (*MEASURED_MOTION, "contact_force")
     settings_class = ImpedanceSettings
+    rendered = ("inertia", "damping", "stiffness")
 
     def torque(self, observed: Observed) -> Array:
         """See the class."""

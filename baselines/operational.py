@@ -116,14 +116,16 @@ class OperationalBaseline(Baseline[SettingsT]):
         at_upper = q >= np.array(self.arm.parameters.joint_upper) - LIMIT_MARGIN
         joint_acceleration = solve_least_squares(state.jacobian, wanted, damping)
         blocked = np.zeros(q.shape, dtype=np.bool_)
-        for _ in range(q.shape[-1] - 1):  # each time at least one more joint, or none
+        for _ in range(q.shape[-1]):  # each time at least one more joint, or none
             pressed = (at_lower & (joint_acceleration < 0.0)) | (at_upper & (joint_acceleration > 0.0))
             if not np.count_nonzero(pressed):
                 break
             blocked |= pressed
             free = np.where(blocked[..., None, :], 0.0, state.jacobian)
             held = solve_least_squares(free, wanted, max(damping, _HELD))
-            joint_acceleration = np.where(blocked, 0.0, held)
+            joint_acceleration = np.where(
+                blocked.any(axis=-1, keepdims=True), np.where(blocked, 0.0, held), joint_acceleration
+            )
         return self._inverse_dynamics(state, joint_acceleration)
 
     def _drift(self, state: ArmState) -> Array:

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
@@ -32,6 +32,8 @@ class ControlInterface:
         torque_limit: joint torques at action 1 (joints) [N m, N, N m].
         period: of control [s].
         model: the nominal robot, whatever the plant really is.
+        asked: what the task asks the robot to behave like, by the names of the laws' settings: axes (6) of
+            `inertia`, `damping` and `stiffness`; empty where it asks for nothing of the kind.
     """
 
     environment_id: str
@@ -39,6 +41,7 @@ class ControlInterface:
     torque_limit: Array
     period: float
     model: Model
+    asked: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
     def of(cls, env: Any) -> Self:
@@ -55,6 +58,7 @@ class ControlInterface:
                 torque_limit=np.asarray(inner.torque_limit),
                 period=1.0 / inner.control_frequency,
                 model=inner.task.model,
+                asked=inner.task.asked,
             )
         except AttributeError:
             raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
@@ -93,6 +97,7 @@ class Baseline(ABC, Generic[SettingsT]):
         summary: one line for listings.
         measured_fields: of the observation that the law reads beside the reference.
         settings_class: of its numbers.
+        rendered: settings that `tuned` gains take from what the task asks for, if it does.
         integrators: which arrays of the state stand still while an actuator is at its limit.
         settings: the law's numbers, every vector at its full length.
         model: the robot with which the law computes.
@@ -108,6 +113,7 @@ class Baseline(ABC, Generic[SettingsT]):
     summary: ClassVar[str]
     measured_fields: ClassVar[tuple[str, ...]]
     settings_class: ClassVar[type[Settings]]
+    rendered: ClassVar[tuple[str, ...]] = ()
     integrators: ClassVar[tuple[int, ...]] = ()
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:

@@ -51,7 +51,8 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
         name: of the law; see `list_baselines`.
         env: an environment of this suite, wrapped or not; only its layout, limits and rate are read.
         gains: name of a gain set: `tuned`, `report`, or another that the law has.
-        overrides: the law's settings by name, in place of the set's.
+        overrides: the law's settings by name, in place of the set's; who gives all of a law's gains is
+            free to choose the rate.
 
     Returns:
         a policy whose `predict` takes observations of the environment.
@@ -69,7 +70,10 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
     values = load_gains(name, gains, interface.environment_id)
     values.pop("source")
     least = values.pop("minimum_frequency", 0.0)
-    if round(1.0 / interface.period, 6) < least:
+    if values.pop("as_task_asks", False):
+        values |= {key: interface.asked[key] for key in law.rendered if key in interface.asked}
+    own_gains = set(law.settings_class.vectors) <= set(overrides)
+    if round(1.0 / interface.period, 6) < least and not own_gains:
         allowed = f"at least {least:g} with gains {gains!r} of law {name!r}, which are unstable below it"
         others = ", ".join(item for item in gain_sets(name) if item != gains)
         raise InvalidValueError(

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, UnknownNameError
@@ -16,7 +17,7 @@ from prp_gym.physics.link_simulation import LinkPhysics
 from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, Mark, Path
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
-from prp_gym.tasks.fields import LINK_FIELDS, LINK_REFERENCE_FIELDS, POSITION_BOUND, SPEED_BOUND
+from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND
 from prp_gym.tasks.scenario import Scenario
 from prp_gym.tasks.task import EpisodeStart, ResetOption, Task, TaskNumbers
 from prp_gym.tasks.trajectory import Sine, SquareAcceleration, Trajectory
@@ -28,7 +29,12 @@ PLANT_OPTIONS = {
     "gravity_moment": ResetOption((), "N·m", "largest moment G of the plant's weight"),
 }
 _PATH_POINTS = 120
-_FREQUENCIES = (0.05, 20.0)  # [Hz]: beyond these a reference leaves the observation's declared bounds
+_BOUNDS = {
+    "reference_frequency": (0.05, 20.0),  # beyond these a reference leaves the observation's declared bounds
+    "inertia": (1e-3, 1e3),
+    "viscous_friction": (0.0, 1e3),
+    "gravity_moment": (0.0, 1e3),
+}
 
 
 def _plant(name: str) -> dict[str, str]:
@@ -42,7 +48,7 @@ class AdaptiveOptions:
 
     Raises:
         UnknownNameError: a reference that does not exist.
-        InvalidValueError: a frequency or inertia that is not positive, negative friction or gravity moment.
+        InvalidValueError: a number that is none or out of bounds.
     """
 
     reference: str = field(
@@ -59,18 +65,11 @@ class AdaptiveOptions:
     def __post_init__(self) -> None:
         if self.reference not in REFERENCES:
             raise UnknownNameError("reference", self.reference, REFERENCES)
-        for entry in fields(self)[1:]:
-            value = getattr(self, entry.name)
-            if value is None:
-                continue
-            if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-                raise InvalidValueError(entry.name, value, "a number or None", entry.metadata["unit"])
-            object.__setattr__(self, entry.name, float(value))
-        frequency = self.reference_frequency
-        low, high = _FREQUENCIES
-        if frequency is not None and not low <= frequency <= high:
-            raise InvalidValueError("reference_frequency", frequency, f"{low:g} to {high:g}", "Hz")
-        make_link(self.plant())
+        for name, bounds in _BOUNDS.items():
+            value = getattr(self, name)
+            if value is not None:
+                unit = next(entry.metadata["unit"] for entry in fields(self) if entry.name == name)
+                object.__setattr__(self, name, within(name, value, bounds, unit))
 
     def plant(self) -> dict[str, float]:
         """The plant's numbers that are not None, by name."""
@@ -132,11 +131,15 @@ class AdaptiveTracking(Task[LinkStart]):
         names = ("joint_position", "amplitude", "frequency", "square_frequency", *PLANT_OPTIONS)
         drawn = {name: self.ranges[name].draw(rng) for name in names}
         numbers = {name: float(drawn[name][0]) for name in PLANT_OPTIONS}
-        given = {name: float(options[name]) for name in PLANT_OPTIONS if name in options}
+        given = {
+            name: within(name, options[name], _BOUNDS[name], option.unit)
+            for name, option in PLANT_OPTIONS.items()
+            if name in options
+        }
         position = options.get("joint_position", drawn["joint_position"])
         velocity = options.get("joint_velocity", np.zeros(1))
         for what, value, bound in (
-            ("initial joint position", position, POSITION_BOUND[0]),
+            ("initial joint position", position, LINK_POSITION_BOUND),
             ("initial joint velocity", velocity, SPEED_BOUND[0]),
         ):
             if abs(value[0]) > bound:
@@ -161,14 +164,15 @@ class AdaptiveTracking(Task[LinkStart]):
         self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[LinkStart], plants: Sequence[Any]
     ) -> None:
         """See `Task.place`."""
-        if isinstance(physics, LinkPhysics):
-            links = [start.plant for start in starts]
-            physics.set_parameters(
-                ids,
-                np.array([link.inertia for link in links]),
-                np.array([link.viscous_friction for link in links]),
-                np.array([link.gravity_moment for link in links]),
-            )
+        if not isinstance(physics, LinkPhysics):
+            raise InvalidValueError("physics", type(physics).__name__, "the link's, a LinkPhysics")
+        links = [start.plant for start in starts]
+        physics.set_parameters(
+            ids,
+            np.array([link.inertia for link in links]),
+            np.array([link.viscous_friction for link in links]),
+            np.array([link.gravity_moment for link in links]),
+        )
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[LinkStart]) -> None:
         """See `Task.begin`."""

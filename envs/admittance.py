@@ -46,7 +46,7 @@ class AdmittanceEnv(PRPEnv):
     """Give way to a surface as a compliant frame of given inertia, damping and stiffness does.
 
     The reference moves behind the surface and back. Scored is the distance of the tip from the reference,
-    displaced as the force that is measured displaces the frame. Scenario `report` moves from home to the
+    displaced as the contact force displaces the frame. Scenario `report` moves from home to the
     pose of (0 rad, -0.25 m, 0 rad) in 1.5 s and to that of (0 rad, -0.1 m, 0 rad) in another 1.5 s, with the
     surface at y = -0.34 m.
     """

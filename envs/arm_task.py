@@ -60,6 +60,17 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
         raise JointLimitError(what, joint + 1, float(joint_position[place]), limits, JOINT_UNITS[joint])
 
 
+def arm_world(physics: Simulation) -> Physics:
+    """A world as one of the arm.
+
+    Raises:
+        InvalidValueError: a world of another robot.
+    """
+    if not isinstance(physics, Physics):
+        raise InvalidValueError("physics", type(physics).__name__, "the arm's, a Physics")
+    return physics
+
+
 class ArmTask(Task[StartT]):
     """A task of the arm with a reference trajectory."""
 
@@ -101,9 +112,9 @@ class ArmTask(Task[StartT]):
         plants: Sequence[PlantDraw],
     ) -> None:
         """See `Task.place`: masses and friction."""
-        if self.scenario.ideal_plant or not isinstance(physics, Physics):
+        if self.scenario.ideal_plant:
             return
-        physics.set_dynamics(
+        arm_world(physics).set_dynamics(
             ids,
             np.stack([plant.mass_factor for plant in plants]),
             np.stack([plant.viscous_friction for plant in plants]),

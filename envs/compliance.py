@@ -14,7 +14,7 @@ class ComplianceEnv(PRPEnv):
     """Give way to a surface as a spring of given stiffness does.
 
     The desired pose lies behind the surface. Scored is the distance of the tip from x_d - K_P⁻¹h_e, where a
-    spring K_P that holds the tip at x_d would leave it under the force h_e that is measured now. Scenario
+    spring K_P that holds the tip at x_d would leave it under the contact force h_e of now. Scenario
     `report` starts at home, asks for the pose of (0 rad, -0.2 m, 0 rad), and puts the surface at
     y = -0.44 m with its free side at y < -0.44 m.
     """

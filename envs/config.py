@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from prp_gym.envs.checks import shaped
 from prp_gym.envs.data import load_scenario
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.physics.rendering import check_view
@@ -80,9 +81,8 @@ class EnvConfig:
         self._make_plain()
 
     def _check_numbers(self) -> None:
-        for name in ("control_frequency", "duration"):
-            if not isinstance(getattr(self, name), (int, float, np.number)):
-                raise InvalidValueError(name, getattr(self, name), "a number")
+        for name, unit in (("control_frequency", "Hz"), ("duration", "s")):
+            shaped(name, getattr(self, name), (), unit)
         for name in ("width", "height"):
             if not isinstance(getattr(self, name), (int, np.integer)):
                 raise InvalidValueError(name, getattr(self, name), "a whole number", "pixels")

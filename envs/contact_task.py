@@ -8,12 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.arm_task import ARM_OPTIONS, TrajectoryStart, check_joint_limits
+from prp_gym.envs.arm_task import ARM_OPTIONS, TrajectoryStart, arm_world, check_joint_limits
+from prp_gym.envs.checks import shaped, within
 from prp_gym.envs.config import describe
 from prp_gym.envs.pose_task import PoseReferenceTask
-from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.physics.batch_simulation import Simulation
-from prp_gym.physics.simulation import Physics
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
@@ -29,6 +28,13 @@ SURFACE_OPTIONS = {
     "surface_offset": ResetOption((), "m", "unit normal · p of the surface's points p"),
 }
 
+SURFACE_BOUNDS = {
+    "surface_stiffness": (1e-3, 1e5),
+    "surface_damping": (0.0, 1e3),
+    "surface_offset": (-5.0, 5.0),
+}
+"""What a surface may be; forces then stay within the bounds of their observation."""
+
 
 def _surface(name: str) -> dict[str, str]:
     option = SURFACE_OPTIONS[name]
@@ -40,8 +46,7 @@ class SurfaceOptions:
     """The surface of every episode; what is None is drawn, or follows from the drawn place of contact.
 
     Raises:
-        InvalidValueError: a stiffness that is not positive, negative damping, a zero normal, a value that
-            is not a finite number.
+        InvalidValueError: a value that is not a number or outside `SURFACE_BOUNDS`, a zero normal.
         ShapeError: a normal without three components.
     """
 
@@ -62,25 +67,20 @@ class SurfaceOptions:
         """What is not None, by name."""
         names = [entry.name for entry in fields(SurfaceOptions)]
         values = {name: getattr(self, name) for name in names}
-        return {n: as_numbers(n, value) for n, value in values.items() if value is not None}
+        return {n: surface_value(n, value) for n, value in values.items() if value is not None}
 
 
-def as_numbers(what: str, value: object) -> Array:
-    """A keyword's value as an array of the shape that is declared for it.
+def surface_value(name: str, value: object) -> Array:
+    """A value of the surface, as a keyword or reset option gives it.
 
     Raises:
-        InvalidValueError: not numbers.
-        ShapeError: another shape.
+        InvalidValueError: not numbers, or outside `SURFACE_BOUNDS`.
+        ShapeError: another shape than is declared.
     """
-    try:
-        numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidValueError(what, value, "a number or numbers", SURFACE_OPTIONS[what].unit) from None
-    if isinstance(value, (bool, np.bool_)):
-        raise InvalidValueError(what, value, "a number or numbers", SURFACE_OPTIONS[what].unit)
-    if numbers.shape != SURFACE_OPTIONS[what].shape:
-        raise ShapeError(what, numbers.shape, f"{SURFACE_OPTIONS[what].shape}")
-    return numbers
+    option = SURFACE_OPTIONS[name]
+    if name in SURFACE_BOUNDS:
+        return np.array(within(name, value, SURFACE_BOUNDS[name], option.unit))
+    return shaped(name, value, option.shape, option.unit)
 
 
 def make_surface(
@@ -194,7 +194,8 @@ class ContactTask(PoseReferenceTask[ContactStart]):
         """See `Task.draw`."""
         drawn = {name: bounds.draw(rng) for name, bounds in self.ranges.items()}
         place = ContactPlace(self.arm, drawn["contact"], 1.0 if drawn["side"][0] > 0.0 else -1.0)
-        values = self.options.given() | {name: options[name] for name in SURFACE_OPTIONS if name in options}
+        asked = {n: surface_value(n, options[n]) for n in SURFACE_OPTIONS if n in options}
+        values = self.options.given() | asked
         springs = float(drawn["surface_stiffness"][0]), float(drawn["surface_damping"][0])
         surface = make_surface(values, place.normal, place.offset, *springs)
         nowhere = np.zeros(0)
@@ -224,7 +225,6 @@ class ContactTask(PoseReferenceTask[ContactStart]):
     ) -> None:
         """See `Task.place`: masses, friction and surfaces."""
         super().place(physics, ids, starts, plants)
-        if isinstance(physics, Physics):
-            surfaces = [start.surface for start in starts]
-            touches = np.stack([start.touch for start in starts])
-            physics.set_surface(ids, Surface.concatenate(surfaces), touches)
+        surfaces = [start.surface for start in starts]
+        touches = np.stack([start.touch for start in starts])
+        arm_world(physics).set_surface(ids, Surface.concatenate(surfaces), touches)

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
 from prp_gym.envs.data import load_task_numbers
 from prp_gym.envs.info import InfoField
@@ -176,7 +177,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
         for name, value in options.items():
             if name not in self.task.reset_options:
                 raise UnknownNameError("reset option", name, self.task.reset_options)
-            vector = _as_numbers(f"reset option {name!r}", value)
+            vector = as_numbers(f"reset option {name!r}", value)
             shape = self.task.reset_options[name].shape
             if vector.shape != shape:
                 raise ShapeError(f"reset option {name!r}", vector.shape, f"{shape}")
@@ -200,7 +201,7 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
             NonFiniteError: NaN or infinity in the action.
             EpisodeError: before the first `reset`, or after a divergence.
         """
-        values = _as_numbers("action", action)
+        values = as_numbers("action", action)
         if values.shape != self.action_space.shape:
             raise ShapeError("action", values.shape, f"{self.action_space.shape}")
         step = self._loop.step(values[None])
@@ -291,10 +292,3 @@ class PRPEnv(gymnasium.Env[Array, NDArray[Any]]):
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_renderer": None}
-
-
-def _as_numbers(what: str, values: object) -> Array:
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidValueError(what, values, "an array of numbers") from None

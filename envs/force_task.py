@@ -7,28 +7,27 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
 from prp_gym.envs.contact_task import ContactStart, ContactTask, SurfaceOptions
 from prp_gym.envs.pose_task import SCORED_ANGLES
-from prp_gym.errors import InvalidValueError
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import DESIRED_FORCE, POSE_REFERENCE_FIELDS
 from prp_gym.tasks.scenario import Scenario
 from prp_gym.tasks.task import ResetOption, TaskNumbers
 
+FORCE_BOUNDS = (1e-3, 1e3)  # [N]
 _FORCE_OPTION = ResetOption((), "N", "force to press with, along the surface's inward normal")
 
 
-def check_force(value: float) -> None:
-    """Refuse a desired force that presses on nothing.
+def check_force(value: object) -> float:
+    """A desired force as a number [N].
 
     Raises:
-        InvalidValueError: not a finite number above 0.
+        InvalidValueError: not a number within `FORCE_BOUNDS`.
     """
-    number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-    if not (number and np.isfinite(value) and value > 0.0):
-        raise InvalidValueError("desired_force", value, "a finite number above 0", "N")
+    return within("desired_force", value, FORCE_BOUNDS, _FORCE_OPTION.unit)
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class ForceOptions(SurfaceOptions):
     """The surface, and the force to press with.
 
     Raises:
-        InvalidValueError: a force that is not above 0.
+        InvalidValueError: a force outside `FORCE_BOUNDS`.
     """
 
     desired_force: float | None = field(
@@ -46,7 +45,7 @@ class ForceOptions(SurfaceOptions):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.desired_force is not None:
-            check_force(self.desired_force)
+            object.__setattr__(self, "desired_force", check_force(self.desired_force))
 
 
 class ForceTask(ContactTask):
@@ -69,8 +68,7 @@ class ForceTask(ContactTask):
         if self.options.desired_force is not None:
             magnitude = self.options.desired_force
         if "desired_force" in options:
-            magnitude = float(options["desired_force"])
-        check_force(magnitude)
+            magnitude = check_force(options["desired_force"])
         return -magnitude * np.array(surface.normal[0])
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[ContactStart]) -> None:

@@ -14,7 +14,7 @@ class ImpedanceEnv(PRPEnv):
     """Behave towards a surface as a mass, damper and spring does.
 
     The reference moves to a pose behind the surface. Scored is the distance of the tip from the target model,
-    which the force that is measured drives along the same reference. Scenario `report` moves from home to the
+    which the contact force drives along the same reference. Scenario `report` moves from home to the
     pose of (0 rad, -0.2 m, 0 rad) in 1 s, with the surface at y = -0.44 m.
     """
 

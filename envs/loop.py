@@ -109,6 +109,8 @@ class EpisodeLoop:
         self._horizon, self._substeps = config.horizon, config.substeps
         self._frequency = float(config.control_frequency)
         self._space = task.layout.space()
+        self._observed = slice(0, task.layout.size)
+        self._all_observed = task.layout.size == task.truth_layout.size
 
     def reset(
         self,
@@ -250,7 +252,7 @@ class EpisodeLoop:
 
     def _observe(self) -> Array:
         """The reading of what is true now, new."""
-        observation = self.truth[:, : self.task.layout.size].copy()
+        observation: Array = self.truth.copy() if self._all_observed else self.truth[:, self._observed].copy()
         self._sensors.read(observation)
         return observation
 

@@ -1,12 +1,13 @@
 """What compliance, impedance and admittance tasks share: a target model that the force drives."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import describe
 from prp_gym.envs.contact_task import ContactStart, ContactTask, SurfaceOptions
 from prp_gym.envs.pose_task import stack_errors
@@ -20,6 +21,12 @@ from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
 
 Axes = float | tuple[float, ...] | None
 
+_TARGET_BOUNDS = {
+    "target_inertia": (1e-3, 1e3),
+    "target_damping": (0.0, 1e5),
+    "target_stiffness": (0.0, 1e6),
+}
+
 
 def _target(what: str, unit: str) -> dict[str, str]:
     text = f"{what} of the target model: one number, six (x, y, z, α, β, γ), or None for the task's own"
@@ -31,7 +38,7 @@ class StiffnessOptions(SurfaceOptions):
     """The surface, and the target's stiffness.
 
     Raises:
-        InvalidValueError: a value that is not a finite number, or negative.
+        InvalidValueError: a value that is not a number, negative or unreasonably large.
         ShapeError: neither one number nor six.
     """
 
@@ -54,19 +61,17 @@ class TargetOptions(StiffnessOptions):
 
 
 def _six(name: str, value: object, unit: str) -> tuple[float, ...]:
-    try:
-        axes = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidValueError(name, value, "one number or six", unit) from None
+    axes = as_numbers(name, value, unit)
     if axes.shape not in ((), (6,)):
         raise ShapeError(name, axes.shape, "one number or (6,)")
-    if not (np.isfinite(axes).all() and (axes >= 0.0).all()):
-        raise InvalidValueError(name, value, "finite and at least 0", unit)
+    low, high = _TARGET_BOUNDS[name]
+    if not ((axes >= low) & (axes <= high)).all():
+        raise InvalidValueError(name, value, f"{low:g} to {high:g}", unit)
     return tuple(np.broadcast_to(axes, 6).tolist())
 
 
 class RenderingTask(ContactTask):
-    """Be, under the measured force, where a target model would be.
+    """Be, under the true contact force, where a target model would be.
 
     Attributes:
         target: the model M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e with x̃ = x_d - x.
@@ -80,6 +85,11 @@ class RenderingTask(ContactTask):
         own = numbers.constants["target"]
         axes = [getattr(options, f"target_{name}", None) or own[name] for name in own]
         self.target = TargetModel(**dict(zip(own, map(np.array, axes), strict=True)), period=period)
+
+    @property
+    def asked(self) -> Mapping[str, Array]:
+        """See `Task.asked`: the target model's axes."""
+        return {name: getattr(self.target, name) for name in ("inertia", "damping", "stiffness")}
 
     def generalised_force(self, truth: Array) -> Array:
         """The true contact force as one on the pose (..., 6) [N, N, N, N m, N m, N m]; no moments."""
@@ -104,6 +114,11 @@ class RenderingTask(ContactTask):
 class StaticRenderingTask(RenderingTask):
     """The target has stiffness alone: K_P x̃ = h_e, at a constant x_d."""
 
+    @property
+    def asked(self) -> Mapping[str, Array]:
+        """See `Task.asked`: the stiffness alone."""
+        return {"stiffness": self.target.stiffness}
+
     def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
         """The last waypoint, held."""
         return Constant(waypoints[-1:])
@@ -114,7 +129,7 @@ class StaticRenderingTask(RenderingTask):
 
 
 class DynamicRenderingTask(RenderingTask):
-    """The target has inertia, damping and stiffness, and moves under the measured force."""
+    """The target has inertia, damping and stiffness, and moves under the contact force."""
 
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         super().__init__(numbers, scenario, options, period)

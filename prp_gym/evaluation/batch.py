@@ -13,16 +13,24 @@ from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
 from prp_gym.robot.arrays import Array
 
 _TIMED = 64  # actions that a policy is timed on
+_SIDE_BY_SIDE = 64  # episodes at most; bounds the memory
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker)
 
 
 def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
-    """Whether nothing but Gymnasium's own checks is wrapped around an environment of this suite."""
+    """Whether an environment of this suite is stepped as its loop is.
+
+    Nothing but Gymnasium's own checks may be wrapped around it, its class may not step or reset in its own
+    way, and nobody may be looking on.
+    """
     while isinstance(env, gymnasium.Wrapper):
         if type(env) not in _TRANSPARENT:
             return False
         env = env.env
-    return hasattr(env, "make_loop")
+    owner = next((kind for kind in type(env).__mro__ if "make_loop" in vars(kind)), None)
+    if owner is None or env.render_mode is not None:
+        return False
+    return all(getattr(type(env), name) is getattr(owner, name) for name in ("step", "reset"))
 
 
 class _Recorder:
@@ -67,34 +75,39 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
         InvalidValueError: an environment of another suite.
     """
     inner: Any = check_environment(env)
-    loop = inner.make_loop(len(seeds))
-    ids = np.arange(len(seeds))
+    rollouts: list[Rollout] = []
+    for first in range(0, len(seeds), _SIDE_BY_SIDE):
+        rollouts += _record(policy, inner, seeds[first : first + _SIDE_BY_SIDE])
+    return rollouts
+
+
+def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
+    """Episodes of an environment, all at once."""
+    loop, everyone = inner.make_loop(len(seeds)), np.ones(len(seeds), dtype=np.bool_)
     rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
-    observation = loop.reset(ids, rngs, {})
+    observation = loop.reset(np.arange(len(seeds)), rngs, {})
     horizon = inner.config.horizon
     recorder, times = _Recorder(loop, horizon), []
-    state, starts = None, np.ones(len(seeds), dtype=np.bool_)
+    state, starts = None, everyone
     pauses = set(np.linspace(0, horizon - 1, _TIMED, dtype=int).tolist())
     for index in range(horizon):
         if index in pauses:
-            times.append(_time_one(policy, observation[0], state, starts[:1]))
+            times.append(_time_one(policy, observation[0]))
         action, state = policy.predict(observation, state, episode_start=starts, deterministic=True)
         step = loop.step(np.asarray(action, dtype=np.float64))
         recorder.take(index, loop, step)
-        observation, starts = step.observation, np.zeros(len(seeds), dtype=np.bool_)
+        observation, starts = step.observation, ~everyone
         if step.terminated.any():
             again = np.flatnonzero(step.terminated)
             observation, starts[again] = loop.reset(again, [rngs[row] for row in again], {}), True
-    return [
-        _rollout(inner, loop, recorder, row, int(seed), np.array(times)) for row, seed in enumerate(seeds)
-    ]
+    compute_time = np.array(times)
+    return [_rollout(inner, loop, recorder, row, int(seed), compute_time) for row, seed in enumerate(seeds)]
 
 
-def _time_one(policy: Policy, observation: Array, state: Any, start: Any) -> float:
-    """How long a policy takes for the action of one environment [s]."""
-    own = None if state is None else tuple(part[0] for part in state)
+def _time_one(policy: Policy, observation: Array) -> float:
+    """How long a policy takes for the first action of one environment [s]."""
     before = time.perf_counter()
-    policy.predict(observation, own, episode_start=start, deterministic=True)
+    policy.predict(observation, None, episode_start=np.array([True]), deterministic=True)
     return time.perf_counter() - before
 
 

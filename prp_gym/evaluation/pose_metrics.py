@@ -164,7 +164,7 @@ MODEL_METRICS: tuple[Metric, ...] = (
     Metric(
         "model_position_rmse",
         ("m",),
-        "root mean square of the tip's distance to the reference model that the measured force drives",
+        "root mean square of the tip's distance to the reference model that the contact force drives",
         _MODEL_FIELDS,
         lambda r: np.atleast_1d(root_mean_square_distance(*_poses(r, "model_pose", _POSITION))),
         "model-following error",

@@ -201,14 +201,17 @@ MODEL_POSE = Field.symmetric(
 )
 """Against what compliance, impedance and admittance tasks judge; recorded, not observed."""
 
+LINK_POSITION_BOUND = 1e5
+"""The link turns freely [rad]: at its greatest speed this takes 200 s."""
+
 LINK_FIELDS = (
-    Field.symmetric("joint_position", ("rad",), "joint", POSITION_BOUND[:1], "joint position q"),
+    Field.symmetric("joint_position", ("rad",), "joint", (LINK_POSITION_BOUND,), "joint position q"),
     Field.symmetric("joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "joint velocity q̇"),
 )
 """What the environment of the single link observes, in the order of `LinkPhysics.measurement`."""
 
 LINK_REFERENCE_FIELDS = (
-    Field.symmetric("desired_joint_position", ("rad",), "joint", POSITION_BOUND[:1], "q_d"),
+    Field.symmetric("desired_joint_position", ("rad",), "joint", (LINK_POSITION_BOUND,), "q_d"),
     Field.symmetric("desired_joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "q̇_d"),
     Field.symmetric("desired_joint_acceleration", ("rad/s²",), "joint", _JOINT_ACCELERATION_BOUND[:1], "q̈_d"),
 )

@@ -1,5 +1,6 @@
 """Second-order models of a pose: M z̈ + K_D ż + K_P z = h, integrated exactly over control periods."""
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array, as_vectors
 
-_SQUARINGS = 12
+_SAFE_SQUARINGS = 4  # beyond a norm of 1
 _TAYLOR_TERMS = 16
 
 
@@ -42,7 +43,7 @@ class TargetModel:
 
     Raises:
         ShapeError: not six components.
-        InvalidValueError: an inertia or a period that is not positive.
+        InvalidValueError: an inertia or a period that is not positive, numbers whose motion is not finite.
 
     Source: [S] 9.3.1; [R] 12, 13.
     """
@@ -59,10 +60,11 @@ class TargetModel:
             raise InvalidValueError("target inertia", self.inertia.tolist(), "above 0", "kg, kg·m²")
         if not self.period > 0.0:
             raise InvalidValueError("period", self.period, "above 0", "s")
-        transition, of_begin, of_end = self._discretise()
+        transition = self._discretise()
+        if not np.isfinite(transition).all():
+            axes = (self.inertia.tolist(), self.damping.tolist(), self.stiffness.tolist())
+            raise InvalidValueError("target model", axes, "numbers whose motion over a period is finite")
         object.__setattr__(self, "_transition", transition)
-        object.__setattr__(self, "_of_begin", of_begin)
-        object.__setattr__(self, "_of_end", of_end)
 
     def acceleration(self, displacement: Displacement, force: ArrayLike) -> Array:
         """z̈ (..., 6) under a force h (..., 6) [N, N, N, N m, N m, N m]."""
@@ -88,13 +90,14 @@ class TargetModel:
             begin: force then (..., 6) [N, N, N, N m, N m, N m].
             end: force at the end of the period (..., 6); the same as `begin` for a force that is held.
         """
-        state = np.stack(displacement, axis=-1)[..., None]  # (..., 6, 2, 1)
-        after: Array = np.matmul(vars(self)["_transition"], state)[..., 0]
-        after = after + vars(self)["_of_begin"] * begin[..., None] + vars(self)["_of_end"] * end[..., None]
-        return Displacement(after[..., 0], after[..., 1])
+        state = np.empty((*displacement.value.shape, 4, 1))
+        for index, part in enumerate((*displacement, begin, end)):
+            state[..., index, 0] = part
+        after: Array = np.matmul(vars(self)["_transition"], state)
+        return Displacement(after[..., 0, 0], after[..., 1, 0])
 
-    def _discretise(self) -> tuple[Array, Array, Array]:
-        """State transition (6, 2, 2), and the influence of the force at begin and end (6, 2).
+    def _discretise(self) -> Array:
+        """What (z, ż, force at the begin, force at the end) make of (z, ż): (6, 2, 4).
 
         By the exponential of the system extended by a force f and its slope s: ḟ = s, ṡ = 0.
         """
@@ -103,18 +106,21 @@ class TargetModel:
         extended[:, 1, 0] = -self.stiffness / self.inertia
         extended[:, 1, 1] = -self.damping / self.inertia
         extended[:, 1, 2] = 1.0 / self.inertia
-        exponential = _exponential(extended * self.period)
-        of_slope = exponential[:, :2, 3] / self.period
-        return exponential[:, :2, :2], exponential[:, :2, 2] - of_slope, of_slope
+        transition = _exponential(extended * self.period)[:, :2]
+        transition[..., 3] /= self.period  # the slope is the forces' difference over the period
+        transition[..., 2] -= transition[..., 3]
+        return transition
 
 
 def _exponential(matrix: Array) -> Array:
     """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series."""
-    small = matrix / 2.0**_SQUARINGS
+    size = float(np.abs(matrix).sum(axis=-1).max())
+    squarings = max(0, math.ceil(math.log2(max(size, 1.0)))) + _SAFE_SQUARINGS
+    small = matrix / 2.0**squarings
     term = total = np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
     for order in range(1, _TAYLOR_TERMS):
         term = np.matmul(term, small) / order
         total = total + term
-    for _ in range(_SQUARINGS):
+    for _ in range(squarings):
         total = np.matmul(total, total)
     return np.array(total)

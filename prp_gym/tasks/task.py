@@ -107,6 +107,11 @@ class Task(ABC, Generic[StartT]):
         self.layout = ObservationLayout(observed)
         self.truth_layout = ObservationLayout((*observed, *self.judged_fields))
 
+    @property
+    def asked(self) -> Mapping[str, Array]:
+        """What the robot is to behave like: `inertia`, `damping`, `stiffness` (6) of a target, or nothing."""
+        return {}
+
     @abstractmethod
     def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
         """The world of N environments, integrated in steps of `timestep` [s]."""
