@@ -8,6 +8,7 @@ import numpy as np
 import prp_gym
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.contact_task import ContactStart, ContactTask
+from prp_gym.envs.force_position import ReachWaypoints
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import Constant, QuinticWaypoints, Trajectory
@@ -47,11 +48,17 @@ def truth_of(env: PRPEnv) -> dict[str, Array]:
 
 def joint_targets(trajectory: Trajectory) -> Array:
     """(K, 3) the joint positions through which a reference leads."""
-    if isinstance(trajectory, QuinticWaypoints):
-        waypoints: Array = trajectory.positions[0]
-        return waypoints
-    assert isinstance(trajectory, Constant)
-    return trajectory.position
+    if isinstance(trajectory, Constant):
+        return trajectory.position
+    assert isinstance(trajectory, (QuinticWaypoints, ReachWaypoints))
+    targets: Array = trajectory.sample(trajectory.times.T)[:, 0, :3]
+    return targets
+
+
+def joint_path(trajectory: Trajectory) -> Array:
+    """(100, 3) joint positions along a reference, over the longest episode's 5 s."""
+    path: Array = trajectory.sample(np.linspace(0.0, 5.0, 100)[:, None])[:, 0, :3]
+    return path
 
 
 def depth_of(start: ContactStart, joint_position: Array) -> Array:

@@ -132,21 +132,23 @@ def test_tuned_renders_its_target_on_every_surface() -> None:
 @pytest.mark.parametrize("factors", [(0.7, 0.7, 0.7), (1.3, 0.7, 1.3)])
 def test_tuned_stands_a_poor_model_sensor_and_a_late_torque(factors: tuple[float, float, float]) -> None:
     cases = random_cases(6, 30)
-    recording = simulate(
-        law(NAME, "tuned"),
-        cases.joint_position,
-        cases.wall,
-        0.0 * cases.into,
-        4.0,
-        pushing(cases, 0.06),
-        poor_arm(30, factors),
-    )
-    late = cases.pressing(recording)[recording.time >= 3.5]
+    chosen, still = law(NAME, "tuned"), 0.0 * cases.into
+
+    def pressing(duration: float, noise: float) -> Array:
+        """Over the last half second (t, n) [N]."""
+        arms, path = poor_arm(30, factors, noise), pushing(cases, 0.06)
+        recording = simulate(chosen, cases.joint_position, cases.wall, still, duration, path, arms)
+        return cases.pressing(recording)[recording.time >= duration - 0.5]
+
     stiffness = cases.wall.stiffness
     static = 0.06 * 20.0 * stiffness / (20.0 + stiffness)
+    noisy = pressing(4.0, 0.05)
     # the bias, 0.1 N of 1.2 N, gives way too; the noise, 0.05 N, goes into the torques
-    np.testing.assert_allclose(late.mean(axis=0), static, atol=0.12)
-    assert late.std(axis=0).max() < 0.08
+    np.testing.assert_allclose(noisy.mean(axis=0), static, atol=0.12)
+    # with a link 30 % too heavy in the model and another as much too light the loop rings at 10 Hz on the
+    # stiffest surfaces: it triples the noise at most, and without noise dies out, to 1 mN after 8 s
+    assert noisy.std(axis=0).max() < 0.15
+    assert pressing(8.0, 0.0).std(axis=0).max() < 2e-3
 
 
 def test_held_force_takes_damping_from_the_target() -> None:

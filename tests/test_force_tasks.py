@@ -8,11 +8,13 @@ import pytest
 
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.contact_task import ContactStart
+from prp_gym.envs.force_position import ReachWaypoints
 from prp_gym.envs.force_task import ForceTask
 from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, ShapeError, UnknownNameError
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks import Constant, QuinticWaypoints
+from prp_gym.tasks import Constant
+from tests.contact_episodes import joint_path, joint_targets
 
 FORCE, FORCE_POSITION = "PRP-Force-v0", "PRP-ForcePosition-v0"
 IDS = (FORCE, FORCE_POSITION)
@@ -80,9 +82,8 @@ def test_drawn_force_is_reached_within_the_slide_range(environment_id: str) -> N
     for seed in range(100):
         start = draw(task, seed)
         depth = np.linalg.norm(start.desired_force) / start.surface.stiffness[0]
-        trajectory = start.trajectory
-        targets = trajectory.positions[0] if isinstance(trajectory, QuinticWaypoints) else trajectory.goal
-        for q in targets:
+        path = joint_path(start.trajectory) if environment_id == FORCE_POSITION else start.trajectory.goal
+        for q in path:
             tip = ARM.forward_kinematics(q)[:3]
             missing = tip @ start.surface.normal[0] - start.surface.offset[0] + depth
             # the slide moves the tip along its own direction (S_1, -C_1, 0)
@@ -174,18 +175,22 @@ def test_regulation_of_force_holds_the_pose_of_its_start() -> None:
         assert isinstance(draw(task_of(FORCE, scenario=scenario), 0).trajectory, Constant)
 
 
-def test_pressing_along_the_surface_starts_on_its_reference_and_turns_joint_3_alone() -> None:
+def test_pressing_along_the_surface_starts_on_its_reference_and_goes_to_and_fro_2_cm_off_the_surface() -> (
+    None
+):
     task = task_of(FORCE_POSITION)
     for seed in range(50):
         start = draw(task, seed)
-        assert isinstance(start.trajectory, QuinticWaypoints)
-        waypoints = start.trajectory.positions[0]
-        np.testing.assert_array_equal(waypoints[0], start.joint_position)
-        np.testing.assert_array_equal(waypoints[:, 0], waypoints[0, 0])
-        heights = ARM.forward_kinematics(waypoints)[:, :3] @ start.surface.normal[0]
-        # on the surface from the first waypoint on; roundings of lengths below 1 m
-        np.testing.assert_allclose(heights[1:], start.surface.offset[0], rtol=0, atol=1e-14)
-        assert np.ptp(waypoints[:, 2]) <= 0.6
+        assert isinstance(start.trajectory, ReachWaypoints)
+        waypoints, path = joint_targets(start.trajectory), joint_path(start.trajectory)
+        # roundings of lengths below 1 m and of angles up to pi
+        np.testing.assert_allclose(waypoints[0], start.joint_position, rtol=0, atol=1e-15)
+        np.testing.assert_allclose(waypoints[-1], start.joint_position, rtol=0, atol=1e-14)
+        np.testing.assert_array_equal(path[:, 0], waypoints[0, 0])
+        heights = ARM.forward_kinematics(path)[:, :3] @ start.surface.normal[0]
+        np.testing.assert_allclose(heights - start.surface.offset[0], 0.02, rtol=0, atol=1e-14)
+        turns = path[:, 2] - start.joint_position[2]
+        assert 0.0 < np.abs(turns).max() <= 0.3
 
 
 def test_start_at_home_leaves_the_reference_as_it_is() -> None:

@@ -26,6 +26,7 @@ from prp_gym.baselines import (
     list_baselines,
     make_baseline,
 )
+from prp_gym.baselines.force_loop import ForceLoop
 from prp_gym.baselines.references import REFERENCE_FIELDS
 from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.evaluation import evaluate
@@ -160,10 +161,50 @@ def test_missing_field_is_named_before_anything_runs(env: Env) -> None:
             assert caught.value.available == reduced.names
 
 
-def test_fields_that_no_law_reads_may_lie_anywhere(pair: tuple[Env, Baseline[Any]]) -> None:
+class Watched(dict[str, Array]):
+    """Fields by name that remember which of them were asked for."""
+
+    def __init__(self, fields: Mapping[str, Array]) -> None:
+        super().__init__(fields)
+        self.asked: set[str] = set()
+
+    def __getitem__(self, name: str) -> Array:
+        self.asked.add(name)
+        return super().__getitem__(name)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        self.asked.add(name)
+        return super().get(name, default)
+
+
+def fields_read(policy: Baseline[Any], observation: Array) -> set[str]:
+    """The fields of an observation that a law asks for, in its first two steps."""
+    watched = Watched(policy.interface.layout.split(observation))
+    state = policy.initial_state(watched)
+    for _ in range(2):
+        _, state = policy.control(watched, state)
+    return watched.asked
+
+
+def test_fields_that_a_law_reads_are_those_it_declares_a_reference_and_a_force_where_one_is_desired(
+    pair: tuple[Env, Baseline[Any]],
+) -> None:
+    env, policy = pair
+    read = fields_read(policy, observations(env, 1, 4))
+    reference = {name for fields in REFERENCE_FIELDS for name in fields}
+    declared = set(policy.measured_fields)
+    assert declared <= read
+    assert read - declared - reference <= ({"desired_force"} if isinstance(policy, ForceLoop) else set())
+
+
+def test_fields_that_a_law_does_not_read_may_be_absent_and_the_others_lie_anywhere(
+    pair: tuple[Env, Baseline[Any]],
+) -> None:
     env, policy = pair
     layout, interface = policy.interface.layout, policy.interface
-    read = {*policy.measured_fields, *(name for fields in REFERENCE_FIELDS for name in fields)}
+    read = fields_read(policy, observations(env, 1, 4))
+    # a law is only made where there is a reference, though it may keep to the pose of its start
+    read |= {name for fields in REFERENCE_FIELDS for name in fields}
     kept = [field for field in reversed(layout.fields) if field.name in read]
     smaller = replace(interface, layout=ObservationLayout(kept))
     observation = observations(env, 1, 4)
