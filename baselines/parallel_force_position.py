@@ -11,7 +11,8 @@ class ParallelForcePosition(ForceLoop[ForceLoopSettings]):
 
     As `ForceInnerPosition`, around the desired motion: across n = f_d/|f_d| the tip follows x_d, along n the
     integral wins over K_P and the force is f_d at rest, x = x_d + x_F. The stability bounds are the same,
-    by Routh K K_I < (K_D/M_d)(1 + K K_F). A motion of x_d along n disturbs the force, and in the estimated
+    by Routh K K_I < (K_D/M_d)(1 + K K_F) and, held over dt, K_P (1 + K K_F) dt < 2 K_D: 100 N/m at 500 Hz
+    with the report's gains. A motion of x_d along n disturbs the force, and in the estimated
     form must stay slower than its v.
 
     Source: [S] 9.4.3; [R] 15.
