@@ -36,9 +36,9 @@ class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
     if torques come a period late). In contact with a spring K along n the loop is
     M_d s³ + K_D s² + K_P (1 + K K_F) s + K_P K K_I: by Routh it is stable for
     K K_I < (K_D/M_d)(1 + K K_F), without K_F for K K_I < K_D/M_d. Held over dt, K_P (1 + K K_F) dt must
-    stay below 2 K_D too: the report's gains serve up to 200 N/m at 500 Hz. So one K_I that is right for 50 N/m is
-    unstable on 5000 N/m, or one that is right there is a hundred times too slow on 50 N/m. The estimated
-    form puts ω_c/K̂ in place of K_I, with K_F = 0: stable for ω_c K/K̂ < K_D/M_d, however stiff the surface.
+    stay below 2 K_D too: the report's gains serve up to 200 N/m at 500 Hz. So one K_I that is right for
+    50 N/m is unstable on 5000 N/m, or one that is right there is a hundred times too slow on 50 N/m. The
+    estimated form puts ω_c/K̂ in place of K_I, with K_F = 0: stable for ω_c K/K̂ < K_D/M_d, however stiff the surface.
 
     Source: [S] 9.4.1; [R] 14.
     """

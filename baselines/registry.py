@@ -17,6 +17,9 @@ from prp_gym.baselines.policy import Baseline, ControlInterface
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tasks.fields import ObservationLayout
 
+TASK_RENDERING = ("tuned", "tuned_50hz")
+"""The gain sets with which a law renders what the task asks for, where it asks for anything."""
+
 _LAWS: tuple[type[Baseline[Any]], ...] = (
     JointPD,
     JointInverseDynamics,
@@ -70,7 +73,7 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
     values = load_gains(name, gains, interface.environment_id)
     values.pop("source")
     least = values.pop("minimum_frequency", 0.0)
-    if values.pop("as_task_asks", False):
+    if gains in TASK_RENDERING:
         values |= {key: interface.asked[key] for key in law.rendered if key in interface.asked}
     own_gains = set(law.settings_class.vectors) <= set(overrides)
     if round(1.0 / interface.period, 6) < least and not own_gains:

@@ -140,6 +140,24 @@ def test_parallel_control_as_run_leaves_the_joint_limits() -> None:
     assert rollout.fields["joint_position"][-1, 1] == pytest.approx(-0.7, abs=1e-3)  # the printed digit
 
 
+RINGING = [(50, 1000.0, False), (50, 2000.0, True), (100, 2000.0, False), (100, 5000.0, True)]
+
+
+@pytest.mark.parametrize(("frequency", "stiffness", "rings"), RINGING)
+def test_impedance_rings_where_the_held_force_takes_all_of_its_damping(
+    frequency: int, stiffness: float, rings: bool
+) -> None:
+    B, M_d, K_D = 1.549, 0.5, 10.0  # along the slide at home
+    taken = (B / M_d - 1.0) * stiffness / (2.0 * frequency)
+    assert (taken > B / M_d * K_D) == rings
+    rollout = play(
+        IMPEDANCE, "impedance", "tuned_50hz", surface_stiffness=stiffness, control_frequency=frequency
+    )
+    force = np.linalg.norm(rollout.fields["contact_force"], axis=-1)[rollout.time > 4.0]
+    # either it has come to rest, or it still swings by more than it presses
+    assert np.ptp(force) > force.mean() if rings else np.ptp(force) < 1e-2
+
+
 STIFFNESSES = np.logspace(0, 4, 9)
 PLACES = (-0.2, -0.15, -0.1)  # of the slide at the first touch [m]
 POSES = ((0.0, 0.0), (-1.9, 1.1), (2.4, -0.7))  # q_1 and q_3 [rad]
