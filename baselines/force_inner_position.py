@@ -38,7 +38,8 @@ class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
     K K_I < (K_D/M_d)(1 + K K_F), without K_F for K K_I < K_D/M_d. Held over dt, K_P (1 + K K_F) dt must
     stay below 2 K_D too: the report's gains serve up to 200 N/m at 500 Hz. So one K_I that is right for
     50 N/m is unstable on 5000 N/m, or one that is right there is a hundred times too slow on 50 N/m. The
-    estimated form puts ω_c/K̂ in place of K_I, with K_F = 0: stable for ω_c K/K̂ < K_D/M_d, however stiff the surface.
+    estimated form puts ω_c/K̂ in place of K_I, with K_F = 0: stable for ω_c K/K̂ < K_D/M_d, however stiff the
+    surface.
 
     Source: [S] 9.4.1; [R] 14.
     """
