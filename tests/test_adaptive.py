@@ -220,7 +220,7 @@ def test_link_is_followed_though_its_parameters_are_wrong(factors: tuple[float, 
     exact, _ = link_errors(replace(still, model=true), Link(true), 3.0)
     # torques held for 2 ms leave 1.1 mrad even with the right parameters; the rest is what wrong ones cost
     assert np.abs(adapted[-500:]).max() < np.abs(exact[-500:]).max() < 1.1e-3
-    left, without = (np.abs((errors - exact[-500:])).max() for errors in (adapted[-500:], fixed[-500:]))
+    left, without = (np.abs(errors - exact[-500:]).max() for errors in (adapted[-500:], fixed[-500:]))
     assert left < 0.1 * without
     assert abs(estimate[0] - true.inertia) < 0.05  # the one parameter that this reference excites well
 
