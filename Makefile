@@ -14,7 +14,7 @@ reproduce: $(VENV)/.core
 	$(BIN)/prp-gym reproduce
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n auto --dist loadgroup
+	$(BIN)/python -m pytest -n auto
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .
