@@ -126,7 +126,9 @@ def test_policy_is_told_where_an_episode_starts_anew_after_a_divergence() -> Non
     policy, told = Runaway(env), []
 
     class Listener:
-        def predict(self, observation: Any, state: Any = None, episode_start: Any = None, **rest: Any) -> Any:
+        def predict(
+            self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+        ) -> Any:
             if np.ndim(observation) == 2:
                 told.append(np.array(episode_start))
             return policy.predict(observation, state, episode_start)
