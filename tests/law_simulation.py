@@ -90,44 +90,58 @@ def simulate(
     arm = PRPArm() if plant is None else plant
     q = np.atleast_2d(np.asarray(start, dtype=np.float64))
     velocity, state, records = np.zeros_like(q), None, []
+    names = law.interface.layout.names
+    poses = "end_effector_pose" in law.measured_fields or "desired_pose" in names
+    free = np.zeros((len(q), 3))
     for step in range(round(duration / law.interface.period)):
-        fields = _fields(arm, q, velocity, reference(step * law.interface.period), wall)
-        names = law.interface.layout.names
-        sized = [np.broadcast_to(fields[name], (len(q), fields[name].shape[-1])) for name in names]
+        desired = reference(step * law.interface.period)
+        fields = _joint_fields(q, velocity, desired)
+        if poses:
+            fields |= _pose_fields(arm, q, velocity, desired, wall)
+        sized = [_sized(fields, name, len(q)) for name in names]
         action, state = law.predict(np.concatenate(sized, axis=-1), state)
         torque = action.astype(np.float64) * law.interface.torque_limit
-        fields["torque"] = torque
-        records.append(fields)
+        records.append((q, np.broadcast_to(desired[0], q.shape), torque))
         for _ in range(round(law.interface.period / STEP)):
-            force = wall.force(arm.forward_kinematics(q))
+            force = free if wall is NO_WALL else wall.force(arm.forward_kinematics(q))
             velocity = velocity + STEP * arm.forward_dynamics(q, velocity, torque, force)
             q = q + STEP * velocity
-    series = {
-        name: np.array([np.broadcast_to(row[name], (len(q), row[name].shape[-1])) for row in records])
-        for name in records[0]
-    }
+    positions, wanted, torques = (np.array(column) for column in zip(*records, strict=True))
+    pose = arm.forward_kinematics(positions)
     return Run(
-        joint_position=series["joint_position"],
-        pose=series["end_effector_pose"],
-        desired_position=series["desired_joint_position"],
-        desired_pose=series["desired_pose"],
-        torque=series["torque"],
-        force=series["contact_force"],
+        joint_position=positions,
+        pose=pose,
+        desired_position=wanted,
+        desired_pose=arm.forward_kinematics(wanted),
+        torque=torques,
+        force=wall.force(pose),
     )
 
 
-def _fields(arm: PRPArm, q: Array, velocity: Array, desired: Motion, wall: Wall) -> dict[str, Array]:
-    pose = arm.forward_kinematics(q)
-    motion = arm.pose_motion(*desired)
+def _sized(fields: dict[str, Array], name: str, rows: int) -> Array:
+    """(rows, size) of a field; those of an arm whose pose nobody reads are zero."""
+    if name not in fields:
+        return np.zeros((rows, 3 if name == "contact_force" else 6))
+    return np.broadcast_to(fields[name], (rows, fields[name].shape[-1]))
+
+
+def _joint_fields(q: Array, velocity: Array, desired: Motion) -> dict[str, Array]:
     return {
         "joint_position": q,
         "joint_velocity": velocity,
-        "end_effector_pose": pose,
-        "end_effector_velocity": arm.pose_motion(q, velocity, np.zeros_like(q))[1],
-        "contact_force": wall.force(pose),
         "desired_joint_position": desired[0],
         "desired_joint_velocity": desired[1],
         "desired_joint_acceleration": desired[2],
+    }
+
+
+def _pose_fields(arm: PRPArm, q: Array, velocity: Array, desired: Motion, wall: Wall) -> dict[str, Array]:
+    pose, rate, _ = arm.pose_motion(q, velocity, np.zeros_like(q))
+    motion = arm.pose_motion(*desired)
+    return {
+        "end_effector_pose": pose,
+        "end_effector_velocity": rate,
+        "contact_force": wall.force(pose),
         "desired_pose": motion[0],
         "desired_velocity": motion[1],
         "desired_acceleration": motion[2],

@@ -121,6 +121,29 @@ def test_law_whose_gains_are_unstable_diverges_alike_at_once_and_alone(law: str,
     env.close()
 
 
+def test_policy_is_told_where_an_episode_starts_anew_after_a_divergence() -> None:
+    env = make(TRACKING, scenario="realistic", duration=0.6, torque_limit=(50.0, 100.0, 500.0))
+    policy, told = Runaway(env), []
+
+    class Listener:
+        def predict(
+            self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+        ) -> Any:
+            if np.ndim(observation) == 2:
+                told.append(np.array(episode_start))
+            return policy.predict(observation, state, episode_start)
+
+    rollouts = record_episodes(Listener(), env, range(8))
+    flags = np.array(told)
+    assert flags[0].all()
+    for row, rollout in enumerate(rollouts):
+        starts = np.flatnonzero(flags[:, row])
+        assert rollout.diverged == (len(starts) > 1)
+        if rollout.diverged:
+            assert starts[1] == len(rollout.reward)
+    env.close()
+
+
 def test_later_episodes_of_a_row_that_diverged_leave_no_trace() -> None:
     env = make(TRACKING, scenario="realistic", duration=0.3, torque_limit=(50.0, 100.0, 500.0))
     policy = Runaway(env)
