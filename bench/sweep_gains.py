@@ -163,7 +163,9 @@ def main(laws: list[str]) -> None:
                 table.add_column(header, justify="right")
             for score, frequency, ratio in sweep(law, place, rate)[:5]:
                 gains = CANDIDATES[law](frequency, ratio, inertia_of(law, place))
-                numbers = ", ".join(f"{n} {np.array2string(np.asarray(v), precision=4)}" for n, v in gains.items())
+                numbers = ", ".join(
+                    f"{n} {np.array2string(np.asarray(v), precision=4)}" for n, v in gains.items()
+                )
                 table.add_row(f"{score:.4f}", f"{frequency:g}", f"{ratio:g}", numbers)
             console.print(table)
 
