@@ -30,10 +30,12 @@ from prp_gym.reproduction.signals import find_signal
 CHAPTERS = (
     "joint_pd.toml",
     "inverse_dynamics.toml",
+    "inverse_dynamics_limits.toml",
     "adaptive.toml",
     "operational_space.toml",
     "compliance.toml",
     "impedance.toml",
+    "impedance_stiff.toml",
     "admittance.toml",
     "direct_force.toml",
 )
