@@ -141,20 +141,30 @@ def test_run_that_two_chapters_define_is_refused() -> None:
         read_catalogue([CHAPTER, again])
 
 
-@pytest.mark.parametrize(
-    ("labels", "words"),
-    [
-        (["a", "b", "c", "d", "e"], "number of runs drawn in figure 5 is 5; allowed: at most 4"),
-        (["a", "b", "b"], "label in figure 5 'b' is 'given twice'"),
-    ],
-)
-def test_runs_that_one_figure_cannot_show_are_refused(labels: list[str], words: str) -> None:
+def with_runs(*labels: str) -> str:
+    """The first chapter with runs of these labels drawn in figure 5, in two panels."""
     tables = deepcopy(TABLES)
     names = [f"run_{index}" for index in range(len(labels))]
     for name, label in zip(names, labels, strict=True):
         tables["runs"][name] = {**tables["runs"]["pd"], "label": label}
     panel = tables["figures"][0]["panels"][0]
     tables["figures"][0]["panels"] = [{**panel, "runs": names[:2]}, {**panel, "runs": names[1:]}]
+    return as_toml(tables)
+
+
+@pytest.mark.parametrize(
+    ("labels", "words"),
+    [
+        ("abcde", "number of runs drawn in figure 5 is 5; allowed: at most 4"),
+        ("abb", "label in figure 5 'b' is 'given twice'"),
+    ],
+)
+def test_runs_that_one_figure_cannot_show_are_refused(labels: str, words: str) -> None:
     with pytest.raises(InvalidValueError) as caught:
-        read_catalogue([as_toml(tables)])
+        read_catalogue([with_runs(*labels)])
     assert words in str(caught.value)
+
+
+def test_figure_may_show_as_many_runs_as_there_are_colours() -> None:
+    panels = read_catalogue([with_runs(*"abcd")]).experiments[5].panels
+    assert {name for panel in panels for name in panel.runs} == {"run_0", "run_1", "run_2", "run_3"}
