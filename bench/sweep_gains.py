@@ -23,7 +23,7 @@ from rich.table import Table
 import prp_gym
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.gains import load_gains
-from prp_gym.errors import PRPError
+from prp_gym.errors import PRPError, UnknownNameError
 from prp_gym.robot.arrays import Array
 
 FREQUENCIES = (4.0, 8.0, 11.0, 15.0, 20.0, 28.0, 40.0, 56.0, 80.0, 110.0, 160.0)  # rad/s
@@ -44,8 +44,11 @@ PLACES: dict[str, tuple[str, ...]] = {
     "operational_inverse_dynamics": POSE_PLACES,
     "compliance": ("Compliance",),
     "admittance": ("Admittance",),
+    "force_inner_position": ("Force",),
+    "parallel_force_position": ("ForcePosition",),
 }
-RATES = {"compliance": (500.0,), "admittance": (500.0,)}  # Hz; the others also at 50 Hz
+CONTACT_LAWS = ("compliance", "admittance", "force_inner_position", "parallel_force_position")
+RATES = dict.fromkeys(CONTACT_LAWS, (500.0,))  # Hz; the others also at 50 Hz
 
 LINK_INERTIA = np.array([0.5])
 POSE_INERTIA = np.array([0.7, 0.7, 0.14, 0.15, 0.008, 0.008])
@@ -65,10 +68,11 @@ def mean_inertia() -> Array:
 COMPLIANCE_INERTIA = np.array([1.0, 1.0, 1.0, 0.53, 0.08, 0.08])
 """Shares of the pose's axes in the damping of compliance control, found on a coarse grid."""
 
-Candidate = Callable[[float, float, Array], Mapping[str, Array]]
+Gains = Mapping[str, Array | float]
+Candidate = Callable[[float, float, Array], Gains]
 
 
-def scaled(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+def scaled(frequency: float, ratio: float, inertia: Array) -> Gains:
     """K_P = ω² times the inertia, K_D = 2ζω times the inertia."""
     return {
         "proportional_gain": inertia * frequency**2,
@@ -76,19 +80,28 @@ def scaled(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array
     }
 
 
-def unscaled(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+def unscaled(frequency: float, ratio: float, inertia: Array) -> Gains:
     """K_P = ω², K_D = 2ζω: the law itself multiplies by the inertia."""
     return scaled(frequency, ratio, np.ones(1))
 
 
-def sliding(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+def sliding(frequency: float, ratio: float, inertia: Array) -> Gains:
     """Λ = ω, K_D = ζω times the inertia."""
     return {"reference_gain": np.array([frequency]), "damping_gain": inertia * ratio * frequency}
 
 
-def damped(frequency: float, ratio: float, inertia: Array) -> Mapping[str, Array]:
+def damped(frequency: float, ratio: float, inertia: Array) -> Gains:
     """The damping alone, 2ζω times the inertia; the task says which stiffness."""
     return {"damping": inertia * 2 * ratio * frequency}
+
+
+def pressing(frequency: float, ratio: float, inertia: Array) -> Gains:
+    """K_P = ω² and K_D = 2ζω of the inner position loop, M_d = 1; ω/12 for the force loop around it.
+
+    The force loop's integrator takes the position loop for one that follows at once: twelve times slower, it
+    meets no more than atan(2ζ/12) of the inner loop's lag, 10° at ζ = 1, and so keeps its own damping.
+    """
+    return {**unscaled(frequency, ratio, inertia), "bandwidth": frequency / 12.0}
 
 
 CANDIDATES: dict[str, Candidate] = {
@@ -99,6 +112,8 @@ CANDIDATES: dict[str, Candidate] = {
     "operational_inverse_dynamics": unscaled,
     "compliance": damped,
     "admittance": unscaled,
+    "force_inner_position": pressing,
+    "parallel_force_position": pressing,
 }
 
 
@@ -132,7 +147,14 @@ def sweep(law: str, place: str, rate: float) -> list[tuple[float, float, float]]
 
 
 def main(laws: list[str]) -> None:
-    """Sweep laws at every rate on the environments that they are tuned for; print the best candidates."""
+    """Sweep laws at every rate on the environments that they are tuned for; print the best candidates.
+
+    Raises:
+        UnknownNameError: a law that has nothing to sweep; nothing is swept then.
+    """
+    for law in laws:
+        if law not in PLACES:
+            raise UnknownNameError("law to sweep", law, PLACES)
     console = Console(width=120)
     for law in laws or list(PLACES):
         for place, rate in itertools.product(PLACES[law], RATES.get(law, (500.0, 50.0))):
@@ -141,7 +163,9 @@ def main(laws: list[str]) -> None:
                 table.add_column(header, justify="right")
             for score, frequency, ratio in sweep(law, place, rate)[:5]:
                 gains = CANDIDATES[law](frequency, ratio, inertia_of(law, place))
-                numbers = ", ".join(f"{n} {np.array2string(v, precision=4)}" for n, v in gains.items())
+                numbers = ", ".join(
+                    f"{n} {np.array2string(np.asarray(v), precision=4)}" for n, v in gains.items()
+                )
                 table.add_row(f"{score:.4f}", f"{frequency:g}", f"{ratio:g}", numbers)
             console.print(table)
 
@@ -149,5 +173,5 @@ def main(laws: list[str]) -> None:
 if __name__ == "__main__":
     try:
         main(sys.argv[1:])
-    except (PRPError, KeyError) as error:
+    except PRPError as error:
         sys.exit(f"error: {error}")

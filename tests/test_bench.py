@@ -8,6 +8,7 @@ import pytest
 
 import prp_gym
 from bench import single_env, sweep_gains
+from prp_gym.errors import UnknownNameError
 
 
 @pytest.mark.parametrize("substeps", [2, 20])
@@ -27,7 +28,7 @@ def test_contenders_get_the_same_actions() -> None:
 
 def test_inverse_dynamics_gains_are_those_of_the_oscillator() -> None:
     gains = sweep_gains.CANDIDATES["joint_inverse_dynamics"](10.0, 0.7, np.ones(3))
-    roots = np.roots([1.0, gains["derivative_gain"][0], gains["proportional_gain"][0]])
+    roots = np.roots([1.0, *(np.ravel(gains[name])[0] for name in ("derivative_gain", "proportional_gain"))])
     np.testing.assert_allclose(np.abs(roots), 10.0, rtol=1e-12)  # rounding
     np.testing.assert_allclose(-roots.real / np.abs(roots), 0.7, rtol=1e-12)
 
@@ -50,6 +51,24 @@ def test_sweep_orders_candidates_and_drops_those_that_chatter(monkeypatch: pytes
     # at 400 rad/s the derivative gain times the control period is 1.6: with a late torque it oscillates
     assert {frequency for _, frequency, _ in results} == {8.0, 20.0}
     assert [score for score, *_ in results] == sorted((score for score, *_ in results), reverse=True)
+
+
+def test_force_loop_is_a_twelfth_as_fast_as_the_position_loop_inside() -> None:
+    for law in ("force_inner_position", "parallel_force_position"):
+        gains = sweep_gains.CANDIDATES[law](120.0, 1.0, np.ones(3))
+        assert gains == {"proportional_gain": 14400.0, "derivative_gain": 240.0, "bandwidth": 10.0}
+        assert sweep_gains.RATES[law] == (500.0,)
+
+
+def test_law_that_has_nothing_to_sweep_is_refused_before_any_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*arguments: object) -> None:
+        raise AssertionError("swept")
+
+    monkeypatch.setattr(sweep_gains, "sweep", never)
+    with pytest.raises(UnknownNameError) as caught:
+        sweep_gains.main(["admittance", "impedance"])
+    assert "law to sweep 'impedance'" in str(caught.value)
+    assert caught.value.valid == tuple(sorted(sweep_gains.PLACES))
 
 
 def test_every_swept_law_has_candidates_and_gains_to_start_from() -> None:

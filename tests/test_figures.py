@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from prp_gym.reproduction import FigureOutcome, Level, Panel, Played, Verdict, load_catalogue
-from prp_gym.reproduction.figures import axes_of, draw, table
+from prp_gym.reproduction.figures import COLORS, axes_of, draw, table
 from tests.hand_made_rollout import rollout_of
 
 CATALOGUE = load_catalogue()
@@ -31,7 +31,7 @@ def outcome(*panels: Panel, until: float = 0.4, steps: int = 4) -> FigureOutcome
     numbers = np.array([7.0, 8.0])
     experiment = replace(CATALOGUE.experiments[6], panels=panels, until=until, checks=(check,))
     runs = {"a": played("a", 1.0), "b": played("b", -2.0, steps)}
-    return FigureOutcome(experiment, runs, (Verdict(check, numbers, numbers, numbers),))
+    return FigureOutcome(experiment, runs, (Verdict(check, numbers, numbers, numbers, numbers),))
 
 
 def test_each_component_has_its_axes_with_runs_and_reference() -> None:
@@ -76,6 +76,19 @@ def test_picture_has_one_size_whatever_it_shows(count: int) -> None:
     panels = [Panel("joint_position", (0,), ("a", "b"), limits=(-1.0, 1.0))] * count
     with Image.open(io.BytesIO(draw(outcome(*panels)))) as picture:
         assert picture.size == (1000, 700)
+
+
+def test_as_many_runs_as_there_are_colours_are_told_apart() -> None:
+    names = tuple("abcdefgh"[: len(COLORS)])
+    item = outcome(Panel("joint_position", (0,), names))
+    runs = {name: played(name, index - 1.5) for index, name in enumerate(names)}
+    full = replace(item, played=runs)
+    with Image.open(io.BytesIO(draw(full))) as picture:
+        pixels = np.asarray(picture.convert("RGB"), dtype=np.int64)
+    for color in COLORS:
+        rgb = [int(color[start : start + 2], 16) for start in (1, 3, 5)]
+        assert (np.abs(pixels - rgb) < 20).all(axis=-1).sum() > 300
+    assert len(table(full).splitlines()[0].split(",")) == 1 + len(COLORS)
 
 
 def test_runs_keep_their_colour_in_every_axes() -> None:

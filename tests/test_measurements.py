@@ -59,7 +59,6 @@ def test_step_responses_are_measured_joint_by_joint() -> None:
     assert measure("overshoot", rollout, "joint_error") == pytest.approx([20.0, 0.0, 0.0])
     assert measure("peak_time", rollout, "joint_error") == pytest.approx([0.2, 0.5, 0.1])
     assert measure("settling_time", rollout, "joint_error") == pytest.approx([0.3, 0.4, np.inf])
-    assert measure("settling_time", rollout, "joint_error", band=0.3) == pytest.approx([0.2, 0.2, np.inf])
 
 
 def test_step_response_ends_where_it_is_told_to() -> None:
@@ -68,6 +67,20 @@ def test_step_response_ends_where_it_is_told_to() -> None:
     assert measure("overshoot", rollout, "joint_error") == pytest.approx([90.0])
     assert measure("peak_time", rollout, "joint_error", until=0.3) == pytest.approx([0.2])
     assert measure("settling_time", rollout, "joint_error", until=0.3) == pytest.approx([0.3])
+
+
+def test_error_that_starts_at_nothing_has_no_response() -> None:
+    rollout = error_rollout([1.0, 0.5, 0.0], [0.0, 0.1, 0.0])
+    with pytest.raises(InvalidValueError, match="first value of 'joint_error'"):
+        measure("settling_time", rollout, "joint_error")
+    assert measure("overshoot", rollout, "joint_error", components=[0]) == [0.0]
+
+
+def test_small_steps_count_like_large_ones() -> None:
+    shape = np.array([1.0, -0.25, 0.01, 0.0])
+    rollout = error_rollout([*shape], [*(1e-5 * shape)])  # below what the joints' metrics take for a step
+    assert measure("overshoot", rollout, "joint_error") == pytest.approx([25.0, 25.0])
+    assert measure("settling_time", rollout, "joint_error") == pytest.approx([0.2, 0.2])
 
 
 def test_responses_that_differ_only_in_size_have_no_spread() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from prp_gym.errors import InvalidValueError
 from prp_gym.reproduction import load_catalogue
 from prp_gym.reproduction.predictions import FORMULAS, error_decay
 
@@ -138,6 +139,56 @@ def test_error_decay_is_the_damped_cosine() -> None:
     np.testing.assert_allclose(error_decay(time, 50.0, 10.0), expected, atol=1e-12)  # rounding
 
 
+def test_error_decay_holds_at_and_beyond_critical_damping() -> None:
+    time = np.linspace(0.0, 3.0, 100)
+    critical = (1.0 + 5.0 * time) * np.exp(-5.0 * time)  # K_P = 25, K_D = 10
+    np.testing.assert_allclose(error_decay(time, 25.0, 10.0), critical, atol=1e-14)  # rounding
+    # on both sides of it the solution changes in proportion to the change of K_P
+    for K_P in (25.0 - 1e-9, 25.0 + 1e-9):
+        np.testing.assert_allclose(error_decay(time, K_P, 10.0), critical, atol=1e-9)
+    overdamped = (4.0 * np.exp(-time) - np.exp(-4.0 * time)) / 3.0  # K_P = 4, K_D = 5: roots -1 and -4
+    np.testing.assert_allclose(error_decay(time, 4.0, 5.0), overdamped, atol=1e-14)  # rounding
+    assert error_decay(1000.0, 1.0, 100.0) == pytest.approx(math.exp(-10.001), rel=1e-4)  # the slow root's
+
+
+@pytest.mark.parametrize(
+    ("K_P", "K_D", "when"),
+    # (1 + x) exp(-x) = 0.02 at x = 5.8339; roots -1, -4: 4/3 exp(-t) = 0.02 but for exp(-4t); root -0.010001
+    [
+        (25.0, 10.0, 5.83392 / 5.0),
+        (4.0, 5.0, math.log(200.0 / 3.0)),
+        (1.0, 100.0, math.log(50.005) / 0.010001),
+    ],
+)
+def test_settling_time_holds_at_and_beyond_critical_damping(K_P: float, K_D: float, when: float) -> None:
+    # a sample in a million of ten time constants, and the digits above
+    assert predict("second_order_settling_time", **gains(K_P, K_D)) == pytest.approx([when] * 3, rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["second_order_overshoot", "second_order_peak_time"])
+@pytest.mark.parametrize("K_D", [10.0, 11.0])
+def test_response_that_does_not_swing_has_no_peak(name: str, K_D: float) -> None:
+    with pytest.raises(InvalidValueError, match="derivative_gain") as caught:
+        predict(name, **gains(25.0, K_D))
+    assert "below 2√K_P = 10" in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["overshoot", "peak_time", "settling_time"])
+@pytest.mark.parametrize(
+    ("K_P", "K_D", "word"),
+    [
+        (0.0, 1.0, "proportional_gain"),
+        (-4.0, 1.0, "proportional_gain"),
+        (math.inf, 1.0, "proportional_gain"),
+        (50.0, 0.0, "derivative_gain"),
+        (50.0, math.nan, "derivative_gain"),
+    ],
+)
+def test_response_that_does_not_decay_is_refused(name: str, K_P: float, K_D: float, word: str) -> None:
+    with pytest.raises(InvalidValueError, match=word):
+        predict(f"second_order_{name}", **gains(K_P, K_D))
+
+
 def test_wrong_masses_rest_where_the_torques_balance() -> None:
     error = predict(
         "rest_error_with_wrong_masses",
@@ -220,6 +271,19 @@ def test_target_model_comes_to_rest_as_two_springs(K: float) -> None:
     assert found == pytest.approx(
         rest, rel=2e-4
     )  # exp(-5 t) after 2.49 s, of a swing of several times the rest
+
+
+def test_target_model_is_known_from_its_start_to_the_end_of_its_horizon() -> None:
+    motion: dict[str, Any] = {"surface": -0.54, "times": [0.0, 0.5], "positions": [-0.53, -0.52]}
+    first, last, at_end = (
+        predict("model_force_at", time=time, target=FRAME, surface_stiffness=50.0, **motion)
+        for time in (0.0, 2.9998, 3.0)
+    )
+    assert first == pytest.approx(0.5, rel=1e-12)  # 1 cm of 50 N/m, to rounding
+    assert at_end == pytest.approx(last, rel=1e-3)  # at rest by then
+    for time in (-1e-3, 3.0001, math.nan):
+        with pytest.raises(InvalidValueError, match="from 0 to 3"):
+            predict("model_force_at", time=time, target=FRAME, surface_stiffness=50.0, **motion)
 
 
 def test_target_model_feels_nothing_before_it_touches() -> None:

@@ -170,30 +170,36 @@ def test_same_figure_twice_is_the_same_to_the_bit(reproduced: tuple[Path, int, s
     assert summary_of(tmp_path)["answers"] == {}  # 7.1 needs figure 11 too
 
 
-def broken(explanation: str) -> Catalogue:
-    """Figure 6 with a prediction that the arm does not meet."""
+EXPLANATION = "the other end of the turn"
+
+
+def broken(bound: float) -> Catalogue:
+    """Figure 6 with a prediction that the arm does not meet by 0.038 rad, explained up to a bound, if any."""
     wrong = CHAPTER.replace("desired = 3.141592653589793, ", "desired = 0.0, ")
     assert wrong != CHAPTER
     named = 'name = "pd_sag"\n'
-    return read_catalogue([wrong.replace(named, f'{named}explanation = "{explanation}"\n')])
+    explained = f'explanation = "{EXPLANATION}"\nexplained_tolerance = {bound}\n' if bound else ""
+    return read_catalogue([wrong.replace(named, f"{named}{explained}")])
 
 
 @pytest.mark.parametrize(
-    ("explanation", "code", "word"), [("", 1, "FAIL"), ("the other end of the turn", 0, "explained")]
+    ("bound", "code", "word"), [(0.0, 1, "FAIL"), (0.03, 1, "FAIL"), (0.05, 0, "explained")]
 )
 def test_exit_code_is_one_for_a_failure_that_nothing_explains(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, explanation: str, code: int, word: str
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bound: float, code: int, word: str
 ) -> None:
-    monkeypatch.setattr(command_module, "load_catalogue", lambda: broken(explanation))
+    monkeypatch.setattr(command_module, "load_catalogue", lambda: broken(bound))
     found, output = reproduce(tmp_path, 6)
     assert found == code
     assert word in output
     (row,) = summary_of(tmp_path)["checks"]
-    assert (row["verdict"], row["explanation"]) == (word, explanation)
+    assert (row["verdict"], row["explanation"]) == (word, EXPLANATION if bound else "")
+    assert row["explained_tolerance"] == ([bound] if bound else [])
     text = (tmp_path / "index.md").read_text(encoding="utf-8")
     assert f"| {word} |" in text
-    assert text.count("**Explanation.**") == (2 if explanation else 1)  # the figure's own, and the check's
-    assert f"**Explanation.** {explanation}" in text
+    # the figure's own, and the check's where it holds
+    assert text.count("**Explanation.**") == (2 if word == "explained" else 1)
+    assert (f"up to 0.05 [rad, m, rad]: {EXPLANATION}" in text) == (word == "explained")
 
 
 def test_figure_that_does_not_exist_ends_with_code_two_and_the_list(

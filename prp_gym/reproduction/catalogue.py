@@ -21,6 +21,7 @@ from prp_gym.reproduction.experiment import (
     Prediction,
     Run,
 )
+from prp_gym.reproduction.figures import COLORS, REFERENCE_LABEL
 from prp_gym.reproduction.measurements import MEASUREMENTS
 from prp_gym.reproduction.outcome import placeholders
 from prp_gym.reproduction.predictions import FORMULAS
@@ -29,10 +30,12 @@ from prp_gym.reproduction.signals import find_signal
 CHAPTERS = (
     "joint_pd.toml",
     "inverse_dynamics.toml",
+    "inverse_dynamics_limits.toml",
     "adaptive.toml",
     "operational_space.toml",
     "compliance.toml",
     "impedance.toml",
+    "impedance_stiff.toml",
     "admittance.toml",
     "direct_force.toml",
 )
@@ -82,14 +85,12 @@ def load_catalogue() -> Catalogue:
 
 def read_catalogue(texts: Sequence[str]) -> Catalogue:
     """Experiments from the texts of data files; see `load_catalogue`."""
-    tables = [tomllib.loads(text) for text in texts]
-    runs = {
-        name: _make(Run, {"name": name, **_tuples(row, "states")}, f"run {name!r}")
-        for table in tables
-        for name, row in table["runs"].items()
-    }
-    experiments = [_experiment(row, runs) for table in tables for row in table["figures"]]
-    answers = tuple(_make(Answer, row, "answer") for table in tables for row in table["answers"])
+    chapters = [tomllib.loads(text) for text in texts]
+    rows = [row for table in chapters for row in _entry(table, "runs", dict, "a chapter").items()]
+    _check_unique("run", [name for name, _ in rows])
+    runs = {name: _run(name, row) for name, row in rows}
+    experiments = [_experiment(row, runs) for table in chapters for row in _tables(table, "figures")]
+    answers = tuple(_make(Answer, row, "answer") for table in chapters for row in _tables(table, "answers"))
     _check_unique("figure", [item.number for item in experiments])
     _check_unique("check", [check.name for item in experiments for check in item.checks])
     names = {check.name for item in experiments for check in item.checks}
@@ -102,14 +103,39 @@ def _number(experiment: Experiment) -> int:
     return experiment.number
 
 
+def _entry(table: Table, key: str, kind: type[T], what: str) -> T:
+    """A value that must be there and of a kind."""
+    if key not in table:
+        raise InvalidValueError(f"key {key!r} of {what}", "missing", "present")
+    value = table[key]
+    if not isinstance(value, kind):
+        raise InvalidValueError(f"key {key!r} of {what}", value, f"a {kind.__name__}")
+    return value
+
+
+def _tables(table: Table, key: str, what: str = "a chapter") -> list[Table]:
+    """A list of tables that must be there."""
+    rows = _entry(table, key, list, what)
+    for row in rows:
+        if not isinstance(row, dict):
+            raise InvalidValueError(f"key {key!r} of {what}", rows, "a list of tables")
+    return rows
+
+
+def _run(name: str, row: Any) -> Run:
+    what = f"run {name!r}"
+    if not isinstance(row, dict):
+        raise InvalidValueError(what, row, "a table")
+    return _make(Run, {"name": name, **_tuples(row, "states")}, what)
+
+
 def _make(kind: type[T], table: Table, what: str) -> T:
     """A dataclass from a table: no key too many, none missing."""
     entries = {entry.name: entry for entry in fields(kind)}  # type: ignore[arg-type]
     _check_known(f"key of {what}", table, entries)
     for name, entry in entries.items():
-        optional = entry.default is not MISSING or entry.default_factory is not MISSING
-        if name not in table and not optional:
-            raise InvalidValueError(f"key {name!r} of {what}", "missing", "present")
+        if entry.default is MISSING and entry.default_factory is MISSING:
+            _entry(table, name, object, what)
     return kind(**table)
 
 
@@ -122,12 +148,22 @@ def _tuples(table: Table, *names: str) -> dict[str, Any]:
 
 def _experiment(table: Table, runs: Mapping[str, Run]) -> Experiment:
     what = f"figure {table.get('number')}"
-    checks = tuple(_check(row, runs, what) for row in table["checks"])
-    panels = tuple(_panel(row, runs, checks, what) for row in table["panels"])
-    rates = {runs[name].control_frequency for panel in panels for name in panel.runs}
+    checks = tuple(_check(row, runs, what) for row in _tables(table, "checks", what))
+    panels = tuple(_panel(row, runs, checks, what) for row in _tables(table, "panels", what))
+    _check_drawn(
+        [runs[name] for name in dict.fromkeys(name for panel in panels for name in panel.runs)], what
+    )
+    return _make(Experiment, {**table, "checks": checks, "panels": panels}, what)
+
+
+def _check_drawn(runs: Sequence[Run], what: str) -> None:
+    """Refuse runs that one figure cannot show beside each other."""
+    rates = {run.control_frequency for run in runs}
     if len(rates) > 1:
         raise InvalidValueError(f"control frequencies in {what}", sorted(rates), "one", "Hz")
-    return _make(Experiment, {**table, "checks": checks, "panels": panels}, what)
+    if len(runs) > len(COLORS):
+        raise InvalidValueError(f"number of runs drawn in {what}", len(runs), f"at most {len(COLORS)}")
+    _check_unique(f"label in {what}", [REFERENCE_LABEL, *(run.label for run in runs)])
 
 
 def _panel(table: Table, runs: Mapping[str, Run], checks: Sequence[Check], what: str) -> Panel:
@@ -143,10 +179,10 @@ def _panel(table: Table, runs: Mapping[str, Run], checks: Sequence[Check], what:
 
 
 def _check(table: Table, runs: Mapping[str, Run], what: str) -> Check:
-    row = _tuples(table, "unit", "absolute")
+    row = _tuples(table, "unit", "absolute", "explained_tolerance")
     what = f"check {table.get('name')!r} of {what}"
-    row["measure"] = _measurement(dict(table["measure"]), runs, what)
-    row["predict"] = _prediction(dict(table["predict"]), what)
+    row["measure"] = _measurement(dict(_entry(table, "measure", dict, what)), runs, what)
+    row["predict"] = _prediction(dict(_entry(table, "predict", dict, what)), what)
     return _make(Check, row, what)
 
 

@@ -27,7 +27,7 @@ def reproduce_command(
 ) -> None:
     """Run the report's experiments again: figures, and closed forms beside what is measured.
 
-    The exit code is 1 if a verdict fails and no explanation of physics stands beside it.
+    The exit code is 1 if a measured value lies outside its tolerance and outside what an explanation allows.
     """
     catalogue = load_catalogue()
     chosen = catalogue.choose(figure or [])

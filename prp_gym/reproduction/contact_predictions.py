@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from prp_gym.errors import InvalidValueError
 from prp_gym.reproduction.predictions import formula
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import NOMINAL
@@ -132,8 +133,13 @@ def model_force_at(
     Returns:
         contact force [N].
 
+    Raises:
+        InvalidValueError: a time outside the 3 s that are integrated.
+
     Source: [S] 9.3.1, 9.3.2, integrated to fourth order; [R] 12, 13.
     """
+    if not 0.0 <= time <= _HORIZON:
+        raise InvalidValueError("time", time, f"from 0 to {_HORIZON:g}", "s")
     forces = _model_forces(
         tuple(target), surface_stiffness, surface, tuple(times), tuple(positions), positions[0]
     )
@@ -147,11 +153,11 @@ Scalars = tuple[float, ...]
 def _model_forces(
     target: Scalars, stiffness: float, surface: float, times: Scalars, positions: Scalars, start: float
 ) -> list[float]:
-    """Contact forces every `_STEP` for `_HORIZON` seconds, of a mass that starts at rest."""
+    """Contact forces every `_STEP` from 0 to `_HORIZON`, both included, of a mass that starts at rest."""
     mass, damping, spring = target
-    rows = QuinticWaypoints(np.array([times]), np.array([[[value] * 3 for value in positions]]))
+    rows = QuinticWaypoints(np.array([times]), np.array([[[value] for value in positions]]))
     half_steps: Array = np.arange(2 * round(_HORIZON / _STEP) + 1, dtype=np.float64) * (_STEP / 2)
-    reference: list[list[float]] = rows.sample(half_steps[:, None])[:, 0, ::3].tolist()
+    reference: list[list[float]] = rows.sample(half_steps[:, None])[:, 0].tolist()
 
     def acceleration(index: int, position: float, velocity: float) -> float:
         desired, rate, feedforward = reference[index]
@@ -169,7 +175,7 @@ def _model_forces(
         a_4 = acceleration(index + 2, y + _STEP * v_3, v_4)
         y += _STEP / 6 * (v + 2 * v_2 + 2 * v_3 + v_4)
         v += _STEP / 6 * (a_1 + 2 * a_2 + 2 * a_3 + a_4)
-    return forces
+    return [*forces, stiffness * max(y - surface, 0.0)]
 
 
 @formula

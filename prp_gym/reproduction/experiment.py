@@ -1,5 +1,6 @@
 """What an experiment of the report is: runs, panels, checks, answers; the data files make these values."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -165,7 +166,9 @@ class Check:
         absolute: allowed deviation, one for all components or one each, in the unit.
         relative: allowed deviation as a share of the prediction, on top.
         reason: of the tolerance.
-        explanation: why physics and prediction part where the verdict may fail; empty if it may not.
+        explanation: why physics and prediction part farther than that; empty if they must not.
+        explained_tolerance: the deviation, in the unit, up to which the explanation holds, one for all
+            components or one each; empty without an explanation.
     """
 
     name: str
@@ -178,10 +181,20 @@ class Check:
     absolute: tuple[float, ...] = (0.0,)
     relative: float = 0.0
     explanation: str = ""
+    explained_tolerance: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not any(self.absolute) and not self.relative:
             raise InvalidValueError(f"tolerance of check {self.name!r}", 0.0, "above 0")
+        bounds = (*self.absolute, self.relative, *self.explained_tolerance)
+        if not all(0.0 <= bound < math.inf for bound in bounds):
+            raise InvalidValueError(f"tolerances of check {self.name!r}", bounds, "finite and at least 0")
+        if bool(self.explanation) != bool(self.explained_tolerance):
+            raise InvalidValueError(
+                f"explained_tolerance of check {self.name!r}",
+                self.explained_tolerance,
+                "given if and only if an explanation is",
+            )
 
     def require_sizes(self, predicted: Array, measured: Array) -> None:
         """Refuse numbers that cannot stand beside each other one by one.
@@ -194,6 +207,7 @@ class Check:
             ("measured values", len(measured), {size}),
             ("units", len(self.unit), {1, size}),
             ("absolute tolerances", len(self.absolute), {1, size}),
+            ("explained tolerances", len(self.explained_tolerance), {0, 1, size}),
         ):
             if found not in allowed:
                 raise ShapeError(f"{what} of check {self.name!r}", (found,), f"({size},)")
@@ -201,6 +215,25 @@ class Check:
     def tolerance(self, predicted: Array) -> Array:
         """Allowed deviation from a prediction, one a component."""
         return np.broadcast_to(np.array(self.absolute), predicted.shape) + self.relative * np.abs(predicted)
+
+    def widest_tolerance(self, predicted: Array) -> Array:
+        """Deviation from a prediction that tolerance or explanation allow, one a component.
+
+        Raises:
+            InvalidValueError: an explanation that allows less than the tolerance, or nothing more.
+        """
+        tolerance = self.tolerance(predicted)
+        if not self.explained_tolerance:
+            return tolerance
+        wider = np.broadcast_to(np.array(self.explained_tolerance), predicted.shape)
+        if (wider < tolerance).any() or not (wider > tolerance).any():
+            raise InvalidValueError(
+                f"explained_tolerance of check {self.name!r}",
+                self.explained_tolerance,
+                f"wider than the tolerance {tolerance.tolist()}",
+                ", ".join(self.unit),
+            )
+        return wider
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,11 +19,16 @@ if TYPE_CHECKING:
 
 _SIZE = (10.0, 7.0)  # inches
 _DPI = 100
-_COLORS = ("#0b5fa5", "#d1661f", "#5a9e3d", "#8d5bb8")
+COLORS = ("#0b5fa5", "#d1661f", "#5a9e3d", "#8d5bb8")
+"""Of the runs of a figure, in the order in which they appear; it cannot show more."""
+
+REFERENCE_LABEL = "reference"
+"""In the legend and in the columns of the data, so that no run has it."""
+
 _REFERENCE = "#222222"
 _PREDICTED = "#b01030"
 _LEVEL = "#777777"
-_PREDICTION, _REFERENCE_LABEL = "predicted", "reference"
+_PREDICTION = "predicted"
 
 
 class Curve(NamedTuple):
@@ -77,7 +82,7 @@ def _panel_axes(outcome: FigureOutcome, panel: Panel) -> Iterator[Axis]:
         reference = []
         if panel.reference:
             reference.append(_curve(outcome, panel.runs[0], panel.reference, component, until))
-            reference[0] = reference[0]._replace(label=_REFERENCE_LABEL)
+            reference[0] = reference[0]._replace(label=REFERENCE_LABEL)
         levels = [(level.label, level.value) for level in panel.levels]
         levels += _predicted(outcome, panel, component)
         column = f"{panel.signal}_{component + 1}"
@@ -123,14 +128,14 @@ def draw(outcome: FigureOutcome) -> bytes:
     figure.suptitle(_with_subscripts(f"Figure {experiment.number}: {experiment.title}"), fontsize=13)
     rows = figure.subplots(len(items), 1, sharex=True, squeeze=False)[:, 0]
     names = dict.fromkeys(curve.run for item in items for curve in item.curves)
-    colors = dict(zip(names, _COLORS, strict=False))
+    colors = dict(zip(names, COLORS, strict=False))
     lines: dict[str, Artist] = {}
     for axes, item in zip(rows, items, strict=True):
         lines |= _draw_axis(axes, item, colors)
     rows[0].set_xlim(0.0, experiment.until)
     rows[-1].set_xlabel("time [s]")
     figure.align_ylabels(list(rows))
-    labels = sorted(lines, key=lambda label: label == _REFERENCE_LABEL)  # the reference last
+    labels = sorted(lines, key=lambda label: label == REFERENCE_LABEL)  # the reference last
     handles = [lines[label] for label in labels]
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
     target = io.BytesIO()

@@ -6,6 +6,7 @@ from typing import TypeVar
 import numpy as np
 
 from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation import joint_metrics, response
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.reproduction.predictions import error_decay
 from prp_gym.reproduction.signals import series
@@ -76,42 +77,42 @@ def largest_magnitude(
 @_measurement
 def root_mean_square(rollout: Rollout, signal: str, after: float = 0.0, components: Components = ()) -> Array:
     """√(mean of the squares) of the signal after a time [s]."""
-    mean: Array = np.sqrt(np.mean(_between(rollout, signal, components, after, np.inf) ** 2, axis=0))
-    return mean
+    return response.root_mean_square(_between(rollout, signal, components, after, np.inf))
 
 
 def _response(rollout: Rollout, signal: str, until: float, components: Components) -> Array:
     """1 - e/e(0) of an error signal: 0 at the start, 1 at the goal."""
     error = _between(rollout, signal, components, 0.0, until)
-    response: Array = 1.0 - error / error[0]
-    return response
+    if not error[0].all():
+        raise InvalidValueError(f"first value of {signal!r}", error[0].tolist(), "a step: not 0")
+    normalised: Array = 1.0 - error / error[0]
+    return normalised
+
+
+def _one_by_one(responses: Array) -> tuple[Array, Array]:
+    """Responses (T, d) as d motions (d, T, 1) of one joint each, and their goal 1."""
+    motions = responses.T[..., None]
+    return motions, np.ones_like(motions)
 
 
 @_measurement
 def overshoot(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
     """Largest excess of an error signal beyond zero, as a share of its first value [%]."""
-    response = _response(rollout, signal, until, components)
-    excess: Array = 100.0 * np.maximum(response.max(axis=0) - 1.0, 0.0)
-    return excess
+    return joint_metrics.overshoot(*_one_by_one(_response(rollout, signal, until, components)))
 
 
 @_measurement
 def peak_time(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
     """When an error signal is farthest beyond zero [s]."""
-    response = _response(rollout, signal, until, components)
-    when: Array = rollout.time[response.argmax(axis=0)]
+    when: Array = rollout.time[_response(rollout, signal, until, components).argmax(axis=0)]
     return when
 
 
 @_measurement
-def settling_time(
-    rollout: Rollout, signal: str, band: float = 0.02, until: float = np.inf, components: Components = ()
-) -> Array:
-    """When an error signal has come within a share of its first value for good [s]; infinite if never."""
-    outside = np.abs(_response(rollout, signal, until, components) - 1.0) > band
-    last = [int(np.flatnonzero(column)[-1]) + 1 if column.any() else 0 for column in outside.T]
-    when: Array = np.append(rollout.time[: len(outside)], np.inf)[last]
-    return when
+def settling_time(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
+    """When an error signal has come within 2 % of its first value for good [s]; infinite if never."""
+    responses = _response(rollout, signal, until, components)
+    return joint_metrics.settling_time(rollout.time[: len(responses)], *_one_by_one(responses))
 
 
 @_measurement
@@ -119,10 +120,8 @@ def deviation_from_second_order(
     rollout: Rollout, signal: str, proportional_gain: float, derivative_gain: float
 ) -> Array:
     """Root mean square of e/e(0) minus the response of ë + K_D ė + K_P e = 0, of every component [1]."""
-    response = _response(rollout, signal, np.inf, ())
     decay = error_decay(rollout.time, proportional_gain, derivative_gain)[:, None]
-    deviation: Array = np.sqrt(np.mean((response - 1.0 + decay) ** 2, axis=0))
-    return deviation
+    return response.root_mean_square_error(_response(rollout, signal, np.inf, ()), 1.0 - decay)
 
 
 @_measurement

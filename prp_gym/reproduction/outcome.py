@@ -24,24 +24,22 @@ class Verdict:
         predicted: one a component.
         measured: one a component.
         tolerance: one a component.
+        widest: what an explanation allows, one a component; the tolerance where there is none.
     """
 
     check: Check
     predicted: Array
     measured: Array
     tolerance: Array
-
-    @property
-    def passed(self) -> bool:
-        """Whether every component lies within its tolerance."""
-        return bool((np.abs(self.measured - self.predicted) <= self.tolerance).all())
+    widest: Array
 
     @property
     def word(self) -> str:
-        """`pass`, `FAIL`, or `explained` where physics says why the two part."""
-        if self.passed:
-            return "pass"
-        return "explained" if self.check.explanation else "FAIL"
+        """`pass`; `explained` within the bound of what physics says about a deviation; else `FAIL`."""
+        for word, bound in (("pass", self.tolerance), ("explained", self.widest)):
+            if (np.abs(self.measured - self.predicted) <= bound).all():
+                return word
+        return "FAIL"
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +66,10 @@ def judge(experiment: Experiment, played: Mapping[str, Played]) -> FigureOutcome
 
     Returns:
         the figure with its verdicts.
+
+    Raises:
+        ShapeError: numbers of a check that cannot stand beside each other one by one.
+        InvalidValueError: a measurement that a run does not allow, an explanation that allows nothing more.
     """
     own = {name: played[name] for name in experiment.runs}
     return FigureOutcome(experiment, own, tuple(_verdict(check, own) for check in experiment.checks))
@@ -77,7 +79,7 @@ def _verdict(check: Check, played: Mapping[str, Played]) -> Verdict:
     predicted = check.predict.compute()
     measured = check.measure.compute(played[check.measure.run].rollout)
     check.require_sizes(predicted, measured)
-    return Verdict(check, predicted, measured, check.tolerance(predicted))
+    return Verdict(check, predicted, measured, check.tolerance(predicted), check.widest_tolerance(predicted))
 
 
 def placeholders(text: str) -> set[str]:

@@ -1,5 +1,6 @@
 """Closed forms of what the experiments must give, by name: pure functions that know nothing of a run."""
 
+import cmath
 import inspect
 import math
 from collections.abc import Callable, Sequence
@@ -9,12 +10,14 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.response import SETTLING_BAND
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, apply
 from prp_gym.robot.parameters import NOMINAL
 
 _ITERATIONS = 200
-_BAND = 0.02
+_SAMPLES = 1_000_001
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,20 +73,46 @@ def joint_pd_sag(desired: float, proportional_gain: float) -> Array:
 
 
 def error_decay(time: ArrayLike, proportional_gain: float, derivative_gain: float) -> Array:
-    """The solution of ë + K_D ė + K_P e = 0 from e = 1 at rest, K_D² != 4 K_P.
+    """The solution of ë + K_D ė + K_P e = 0 from e = 1 at rest, of any damping.
+
+    e = exp(s_1 t)(1 - s_1 φ), s_1 = -K_D/2 + δ, δ² = K_D²/4 - K_P, φ = (1 - exp(-2δt))/(2δ), or t at δ = 0.
 
     Args:
         time: (...) [s].
-        proportional_gain: K_P [1/s^2].
-        derivative_gain: K_D [1/s].
+        proportional_gain: K_P, above 0 [1/s^2].
+        derivative_gain: K_D, above 0 [1/s].
 
     Returns:
         (...) error.
+
+    Raises:
+        InvalidValueError: a gain that is not above 0.
     """
-    first, second = np.roots([1.0, derivative_gain, proportional_gain]).astype(np.complex128)
+    root, delta = _slowest_root(proportional_gain, derivative_gain)
     t = np.asarray(time, dtype=np.float64)
-    solution = (first * np.exp(second * t) - second * np.exp(first * t)) / (first - second)
-    return np.asarray(solution.real)
+    phi = -np.expm1(-2.0 * delta * t) / (2.0 * delta) if delta else t
+    return np.asarray((np.exp(root * t) * (1.0 - root * phi)).real)
+
+
+def _slowest_root(proportional_gain: float, derivative_gain: float) -> tuple[complex, complex]:
+    """The root -K_D/2 + δ of s² + K_D s + K_P [1/s], and δ."""
+    for name, gain, unit in (
+        ("proportional_gain", proportional_gain, "1/s^2"),
+        ("derivative_gain", derivative_gain, "1/s"),
+    ):
+        if not 0.0 < gain < math.inf:
+            raise InvalidValueError(name, gain, "above 0 and finite", unit)
+    delta = cmath.sqrt(derivative_gain**2 / 4.0 - proportional_gain)
+    return delta - derivative_gain / 2.0, delta
+
+
+def _damped_frequency(proportional_gain: float, derivative_gain: float) -> float:
+    """√(K_P - K_D²/4) of a response that swings [rad/s]."""
+    frequency = _slowest_root(proportional_gain, derivative_gain)[1].imag
+    if not frequency:
+        most = 2.0 * math.sqrt(proportional_gain)
+        raise InvalidValueError("derivative_gain", derivative_gain, f"below 2√K_P = {most:g}", "1/s")
+    return frequency
 
 
 @formula
@@ -100,6 +129,9 @@ def error_after_step(
 
     Returns:
         (d) in the unit of the step.
+
+    Raises:
+        InvalidValueError: a gain that is not above 0.
 
     Source: [S] 8.5.2; [R] 7.1.
     """
@@ -118,10 +150,13 @@ def second_order_overshoot(proportional_gain: float, derivative_gain: float, joi
     Returns:
         (joints) overshoot [%].
 
+    Raises:
+        InvalidValueError: a gain that is not above 0, a response that does not swing.
+
     Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
     """
-    ratio = derivative_gain / (2.0 * math.sqrt(proportional_gain))
-    return np.full(joints, 100.0 * math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2)))
+    frequency = _damped_frequency(proportional_gain, derivative_gain)
+    return np.full(joints, 100.0 * math.exp(-math.pi * derivative_gain / (2.0 * frequency)))
 
 
 @formula
@@ -136,9 +171,12 @@ def second_order_peak_time(proportional_gain: float, derivative_gain: float, joi
     Returns:
         (joints) time of the first peak [s].
 
+    Raises:
+        InvalidValueError: a gain that is not above 0, a response that does not swing.
+
     Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
     """
-    return np.full(joints, math.pi / math.sqrt(proportional_gain - derivative_gain**2 / 4.0))
+    return np.full(joints, math.pi / _damped_frequency(proportional_gain, derivative_gain))
 
 
 @formula
@@ -151,13 +189,16 @@ def second_order_settling_time(proportional_gain: float, derivative_gain: float,
         joints: how many have this response.
 
     Returns:
-        (joints) settling time, to 10 µs [s].
+        (joints) settling time, to a millionth of the slowest mode's ten time constants [s].
+
+    Raises:
+        InvalidValueError: a gain that is not above 0.
 
     Source: [S] 8.5.2, step response of a second-order system; [R] 7.3.
     """
-    slowest = -float(np.roots([1.0, derivative_gain, proportional_gain]).real.max())
-    time = np.arange(0.0, 10.0 / slowest, 1e-5)
-    outside = np.abs(error_decay(time, proportional_gain, derivative_gain)) > _BAND
+    slowest = -_slowest_root(proportional_gain, derivative_gain)[0].real
+    time = np.linspace(0.0, 10.0 / slowest, _SAMPLES)
+    outside = np.abs(error_decay(time, proportional_gain, derivative_gain)) > SETTLING_BAND
     return np.full(joints, time[np.flatnonzero(outside)[-1] + 1])
 
 

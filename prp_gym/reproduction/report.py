@@ -64,6 +64,7 @@ def _describe_check(outcome: FigureOutcome, verdict: Verdict) -> dict[str, Any]:
         "reason": check.reason,
         "verdict": verdict.word,
         "explanation": check.explanation,
+        "explained_tolerance": check.explained_tolerance,
     }
 
 
@@ -127,9 +128,18 @@ def _section(outcome: FigureOutcome) -> str:
     ]
     if experiment.reading:
         parts.append(f"**The report's figure.** {experiment.reading}\n")
-    explanations = [experiment.explanation, *(v.check.explanation for v in outcome.verdicts if not v.passed)]
+    explanations = [experiment.explanation, *map(_explanation, outcome.verdicts)]
     parts += [f"**Explanation.** {text}\n" for text in explanations if text]
     return "\n".join(parts)
+
+
+def _explanation(verdict: Verdict) -> str:
+    """Of a deviation that it covers; empty where there is none."""
+    if verdict.word != "explained":
+        return ""
+    check = verdict.check
+    bound = f"up to {show(verdict.widest, digits=2)} [{', '.join(check.unit)}]"
+    return f"{check.what}, {bound}: {check.explanation}"
 
 
 def _setup(played: Played) -> str:
