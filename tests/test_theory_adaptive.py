@@ -64,13 +64,9 @@ def test_adaptation_leaves_less_than_a_tenth_of_the_error_of_wrong_masses(factor
     assert adapted < 1e-2 * last_error("joint_inverse_dynamics", factors, ON_REFERENCE, "report")
 
 
-@pytest.mark.parametrize("factors", [LIGHT, HEAVY])
+@pytest.mark.parametrize("factors", [LIGHT, HEAVY, *MIXED])
 def test_adaptation_recovers_from_the_step_that_the_report_starts_with(factors: Factors) -> None:
-    """From home the reference is half a turn away: until the arm is there, the estimates learn little of use.
-
-    A law that knows that there is no friction forgets it within the 20 s. With the margins of the tuned set
-    the friction estimates run into their bounds and come back slowly.
-    """
+    """From home the reference is half a turn away: until the arm is there, the estimates learn little of use."""
     fixed = last_error("joint_inverse_dynamics", factors, FROM_HOME, **same_feedback())
-    assert last_error("adaptive", factors, FROM_HOME, margin=0.0) < 0.1 * fixed
-    assert last_error("adaptive", factors, FROM_HOME) < 0.2 * fixed
+    assert fixed > 5e-3  # there was something to win
+    assert last_error("adaptive", factors, FROM_HOME) < 0.1 * fixed
