@@ -66,7 +66,7 @@ def test_adaptation_leaves_less_than_a_tenth_of_the_error_of_wrong_masses(factor
 
 @pytest.mark.parametrize("factors", [LIGHT, HEAVY, *MIXED])
 def test_adaptation_recovers_from_the_step_that_the_report_starts_with(factors: Factors) -> None:
-    """From home the reference is half a turn away: until the arm is there, the estimates learn little of use."""
+    """From home the reference is half a turn away; until the arm is there, the estimates learn little."""
     fixed = last_error("joint_inverse_dynamics", factors, FROM_HOME, **same_feedback())
     assert fixed > 5e-3  # there was something to win
     assert last_error("adaptive", factors, FROM_HOME) < 0.1 * fixed
