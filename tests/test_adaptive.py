@@ -186,7 +186,7 @@ def test_wrong_masses_cost_a_tenth_of_what_they_cost_without_adaptation(factors:
     computed = JointInverseDynamics(INTERFACE, JointInverseDynamicsSettings(*gains, model=model))
     fixed = simulate(computed, loop(0.0)[0], loop, 4.0)
     assert last_error(adapted) < 0.1 * last_error(fixed)
-    assert last_error(fixed) > 5e-3  # [m]: there was something to win
+    assert last_error(fixed) > 2e-3  # [m]: there was something to win
 
 
 def link_errors(settings: AdaptiveSettings, plant: Link, duration: float) -> tuple[Array, Array]:
@@ -215,10 +215,12 @@ def test_link_is_followed_though_its_parameters_are_wrong(factors: tuple[float, 
     )
     settings = tuned("PRP-Adaptive-v0", model=model)
     adapted, estimate = link_errors(settings, Link(true), 10.0)
-    fixed, _ = link_errors(replace(settings, adaptation_gain=0.0), Link(true), 3.0)
-    left, without = np.abs(adapted[-500:]).max(), np.abs(fixed[-500:]).max()
-    # torques held for 2 ms leave 0.7 mrad even with the right parameters
-    assert left < 1e-3
+    still = replace(settings, adaptation_gain=0.0)
+    fixed, _ = link_errors(still, Link(true), 3.0)
+    exact, _ = link_errors(replace(still, model=true), Link(true), 3.0)
+    # torques held for 2 ms leave 1.1 mrad even with the right parameters; the rest is what wrong ones cost
+    assert np.abs(adapted[-500:]).max() < np.abs(exact[-500:]).max() < 1.1e-3
+    left, without = (np.abs(errors - exact[-500:]).max() for errors in (adapted[-500:], fixed[-500:]))
     assert left < 0.1 * without
     assert abs(estimate[0] - true.inertia) < 0.05  # the one parameter that this reference excites well
 
