@@ -35,7 +35,9 @@ def test_what_is_no_number_is_refused_by_name_value_and_unit(value: Any) -> None
         lambda: shaped("speed", value, (), "m/s"),
         lambda: within("speed", value, (0.0, 1.0), "m/s"),
     ):
-        with pytest.raises(InvalidValueError, match=r"speed is .* m/s; allowed: a number or numbers\.") as caught:
+        with pytest.raises(
+            InvalidValueError, match=r"speed is .* m/s; allowed: a number or numbers\."
+        ) as caught:
             convert()
         assert caught.value.value is value
         assert caught.value.unit == "m/s"
