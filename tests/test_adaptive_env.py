@@ -15,6 +15,7 @@ from prp_gym.errors import (
 )
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
+from prp_gym.tasks.fields import LINK_POSITION_BOUND
 
 ID = "PRP-Adaptive-v0"
 PLANTS = [(0.5, 0.15, 1.85), (0.25, 0.0, 4.0), (1.0, 0.5, 0.0), (2.0, 3.0, 0.5)]  # I, F, G
@@ -282,7 +283,7 @@ def test_reward_is_the_declared_kernel_of_tracking_and_effort() -> None:
 
 def test_link_beyond_its_bounds_ends_the_episode() -> None:
     env = environment()
-    env.reset(seed=0, options={"joint_velocity": [500.0], "joint_position": [99.9]})
+    env.reset(seed=0, options={"joint_velocity": [500.0], "joint_position": [LINK_POSITION_BOUND - 0.1]})
     _, reward, terminated, truncated, _ = env.step(np.zeros(1))
     assert (reward, terminated, truncated) == (0.0, True, False)
     with pytest.raises(EpisodeError, match="diverged"):

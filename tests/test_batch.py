@@ -10,6 +10,7 @@ from gymnasium.wrappers import FrameStackObservation, RecordEpisodeStatistics, R
 
 from prp_gym import evaluate
 from prp_gym.baselines import BASELINES, make_baseline
+from prp_gym.baselines.gains import load_gains
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import Rollout, record_episode
 from prp_gym.evaluation.batch import can_batch, record_episodes
@@ -112,7 +113,10 @@ def test_episode_that_diverges_ends_there_and_leaves_its_neighbours_alone() -> N
 def test_law_whose_gains_are_unstable_diverges_alike_at_once_and_alone(law: str, gains: str) -> None:
     limit = (5e3, 1e4, 1e3)  # with the nominal limits and stops the unstable arm only rattles
     env = make(TRACKING, scenario="realistic", duration=2.0, control_frequency=50, torque_limit=limit)
-    policy = make_baseline(law, env, gains)
+    numbers = load_gains(law, gains, TRACKING)
+    # who gives all gains is free to choose the rate
+    own = {name: numbers[name] for name in BASELINES[law].settings_class.vectors}
+    policy = make_baseline(law, env, gains, **own)
     together = record_episodes(policy, env, range(6))
     assert sum(rollout.diverged for rollout in together) >= 5
     assert len({len(rollout.reward) for rollout in together}) >= 4  # others go on when the first has ended

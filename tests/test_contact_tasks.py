@@ -7,7 +7,15 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.errors import InvalidValueError, JointLimitError, NonFiniteError, PRPError, ShapeError
+from prp_gym.envs.contact_task import SURFACE_BOUNDS
+from prp_gym.errors import (
+    InvalidValueError,
+    JointLimitError,
+    NonFiniteError,
+    PRPError,
+    ShapeError,
+    UnknownNameError,
+)
 from prp_gym.robot.arrays import Array
 from tests.contact_episodes import (
     ARM,
@@ -146,10 +154,18 @@ def test_drawn_surface_of_each_environment_is_its_own() -> None:
 @pytest.mark.parametrize(
     ("name", "value", "kind", "message"),
     [
-        ("surface_stiffness", 0.0, InvalidValueError, r"surface stiffness is 0.0 N/m; allowed: above 0 and"),
-        ("surface_stiffness", -5.0, InvalidValueError, r"surface stiffness is -5.0 N/m; allowed: above 0"),
-        ("surface_stiffness", NAN, InvalidValueError, r"surface stiffness is nan N/m"),
-        ("surface_stiffness", INFINITY, InvalidValueError, r"surface stiffness is inf N/m"),
+        (
+            "surface_stiffness",
+            0.0,
+            InvalidValueError,
+            r"surface_stiffness is 0.0 N/m; allowed: 0.001 to 1000",
+        ),
+        ("surface_stiffness", -5.0, InvalidValueError, r"surface_stiffness is -5.0 N/m; allowed: 0.001 to"),
+        ("surface_stiffness", 1.1e5, InvalidValueError, r"surface_stiffness is 110000.0 N/m; .* to 100000\."),
+        ("surface_stiffness", NAN, InvalidValueError, r"surface_stiffness is nan N/m"),
+        ("surface_stiffness", INFINITY, InvalidValueError, r"surface_stiffness is inf N/m"),
+        ("surface_stiffness", True, InvalidValueError, r"surface_stiffness is True N/m; allowed: a number"),
+        ("surface_stiffness", "50", InvalidValueError, r"surface_stiffness is '50' N/m; allowed: a number"),
         (
             "surface_stiffness",
             "stiff",
@@ -157,8 +173,14 @@ def test_drawn_surface_of_each_environment_is_its_own() -> None:
             r"surface_stiffness is 'stiff' N/m; allowed: a num",
         ),
         ("surface_stiffness", (1.0, 2.0), ShapeError, r"surface_stiffness has shape \(2,\); expected \(\)"),
-        ("surface_damping", -0.1, InvalidValueError, r"surface damping is -0.1 N·s/m; allowed: at least 0"),
-        ("surface_damping", INFINITY, InvalidValueError, r"surface damping is inf N·s/m"),
+        ("surface_damping", -0.1, InvalidValueError, r"surface_damping is -0.1 N·s/m; allowed: 0 to 1000\."),
+        (
+            "surface_damping",
+            1001,
+            InvalidValueError,
+            r"surface_damping is 1001.0 N·s/m; allowed: 0 to 1000\.",
+        ),
+        ("surface_damping", INFINITY, InvalidValueError, r"surface_damping is inf N·s/m"),
         (
             "surface_normal",
             (0, 0, 0),
@@ -167,7 +189,12 @@ def test_drawn_surface_of_each_environment_is_its_own() -> None:
         ),
         ("surface_normal", (0, NAN, 1), InvalidValueError, r"surface normal is \[0.0, nan, 1.0\]"),
         ("surface_normal", (0, 1), ShapeError, r"surface_normal has shape \(2,\); expected \(3,\)"),
-        ("surface_offset", NAN, InvalidValueError, r"surface offset is nan m; allowed: a finite number"),
+        ("surface_normal", "up", InvalidValueError, r"surface_normal is 'up'; allowed: a number or numbers"),
+        ("surface_normal", (True, False, False), InvalidValueError, r"surface_normal is .* a number or num"),
+        ("surface_normal", ((1,), (0, 1)), InvalidValueError, r"surface_normal is .* a number or numbers"),
+        ("surface_offset", NAN, InvalidValueError, r"surface_offset is nan m; allowed: -5 to 5\."),
+        ("surface_offset", -5.1, InvalidValueError, r"surface_offset is -5.1 m; allowed: -5 to 5\."),
+        ("surface_offset", 5.1, InvalidValueError, r"surface_offset is 5.1 m; allowed: -5 to 5\."),
         ("surface_offset", (0.1,), ShapeError, r"surface_offset has shape \(1,\); expected \(\)"),
     ],
 )
@@ -181,15 +208,22 @@ def test_impossible_surface_is_refused_as_keyword(
 @pytest.mark.parametrize(
     ("name", "value", "kind", "message"),
     [
-        ("surface_stiffness", 0.0, InvalidValueError, r"surface stiffness is 0.0 N/m; allowed: above 0 and"),
+        (
+            "surface_stiffness",
+            0.0,
+            InvalidValueError,
+            r"surface_stiffness is 0.0 N/m; allowed: 0.001 to 1000",
+        ),
+        ("surface_stiffness", 1.1e5, InvalidValueError, r"surface_stiffness is 110000.0 N/m; allowed: 0.001"),
         ("surface_stiffness", NAN, NonFiniteError, "reset option 'surface_stiffness' is nan"),
+        ("surface_stiffness", True, InvalidValueError, "reset option 'surface_stiffness' is True"),
         ("surface_stiffness", "stiff", InvalidValueError, "reset option 'surface_stiffness' is 'stiff'"),
         ("surface_stiffness", (1.0, 2.0), ShapeError, r"reset option 'surface_stiffness' has shape \(2,\)"),
-        ("surface_damping", -0.1, InvalidValueError, r"surface damping is -0.1 N·s/m; allowed: at least 0"),
+        ("surface_damping", -0.1, InvalidValueError, r"surface_damping is -0.1 N·s/m; allowed: 0 to 1000\."),
         ("surface_normal", (0, 0, 0), InvalidValueError, "surface normal is .*a vector of positive length"),
         ("surface_normal", (0, 1), ShapeError, r"reset option 'surface_normal' has shape \(2,\)"),
+        ("surface_offset", -5.1, InvalidValueError, r"surface_offset is -5.1 m; allowed: -5 to 5\."),
         ("surface_offset", INFINITY, NonFiniteError, "reset option 'surface_offset' is inf"),
-        ("goal", (0.0, 0.1, 0.0), JointLimitError, "goal: joint 2 is 0.1 m; allowed: -0.3 to 0 m"),
         ("joint_position", (0.0, -0.4, 0.0), JointLimitError, "initial joint position: joint 2 is -0.4 m"),
         ("joint_velocity", (0.0, 101.0, 0.0), InvalidValueError, "initial joint velocity"),
     ],
@@ -207,6 +241,38 @@ def test_impossible_reset_option_is_refused_and_the_episode_goes_on(
     for _ in range(5):
         np.testing.assert_array_equal(env.step(np.zeros(3))[0], twin.step(np.zeros(3))[0])
         np.testing.assert_array_equal(env.truth, twin.truth)
+
+
+def test_impossible_goal_is_refused_and_force_regulation_takes_none(environment_id: str) -> None:
+    env = environment(environment_id)
+    if environment_id == "PRP-Force-v0":
+        assert "goal" not in env.task.reset_options
+        with pytest.raises(UnknownNameError, match="unknown reset option 'goal'"):
+            env.reset(seed=0, options={"goal": (0.0, -0.1, 0.0)})
+    else:
+        with pytest.raises(JointLimitError, match=r"goal: joint 2 is 0\.1 m; allowed: -0\.3 to 0 m"):
+            env.reset(seed=0, options={"goal": (0.0, 0.1, 0.0)})
+
+
+@pytest.mark.parametrize(("name", "bounds"), SURFACE_BOUNDS.items())
+@pytest.mark.parametrize("end", [0, 1])
+def test_surface_at_the_end_of_its_bounds_is_taken(name: str, bounds: tuple[float, float], end: int) -> None:
+    for keywords, options in (({name: bounds[end]}, {}), ({}, {name: bounds[end]})):
+        task = task_of("PRP-Compliance-v0", **keywords)
+        start = draw(task, 0, **options)
+        assert getattr(start.surface, name.removeprefix("surface_"))[0] == bounds[end]
+
+
+def test_hardest_surface_pushes_within_the_declared_bounds(environment_id: str) -> None:
+    """Stiffest, and as far before the arm as a surface may be: an observation that the space contains."""
+    hardest = {"surface_normal": (0.0, -1.0, 0.0)}
+    hardest |= {name: bounds[1] for name, bounds in SURFACE_BOUNDS.items()}
+    env = environment(environment_id, scenario="report")
+    observation, _ = env.reset(seed=0, options=hardest)
+    depth = 5.0 + ARM.forward_kinematics(truth_of(env)["joint_position"])[1]
+    assert depth > 4.0
+    assert_force(truth_of(env)["contact_force"], [0.0, 1e5 * depth, 0.0])
+    assert env.observation_space.contains(observation)
 
 
 def test_initial_joint_state_is_the_one_asked_for(environment_id: str) -> None:

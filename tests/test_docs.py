@@ -14,12 +14,13 @@ def test_generated_page_is_up_to_date(name: str) -> None:
     assert (FOLDER / name).read_text(encoding="utf-8") == PAGES[name](), "run `make docs`"
 
 
-def test_readme_starts_with_the_two_commands() -> None:
+def test_readme_starts_with_the_commands() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     first_block = text.split("```")[1]
     assert [line.split("#")[0].strip() for line in first_block.splitlines()[1:] if line] == [
         "make evaluate",
         "make test",
+        "make reproduce",
     ]
 
 

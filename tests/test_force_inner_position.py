@@ -117,7 +117,7 @@ def test_tuned_settles_on_every_surface_and_overshoots_little() -> None:
     assert not np.any(touching[:-1] & ~touching[1:])  # never lost
     assert np.abs(recording.action).max() < 1.0
     integral = law(NAME, "tuned").settings.force_integral(0.002)
-    estimate = integral.estimator.stiffness(recording.state[1])
+    estimate = integral.estimator.stiffness(recording.state[2])
     # no noise: the guess's weight is all that is wrong, and the impact's short delay of the force
     np.testing.assert_allclose(estimate, cases.wall.stiffness, rtol=0.05)
 

@@ -9,7 +9,7 @@ import pytest
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.contact_task import ContactStart
 from prp_gym.envs.force_position import ReachWaypoints
-from prp_gym.envs.force_task import ForceTask
+from prp_gym.envs.force_task import FORCE_BOUNDS, ForceTask
 from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, ShapeError, UnknownNameError
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
@@ -67,6 +67,7 @@ def test_desired_force_points_into_the_surface_and_is_drawn_between_1_and_10_new
 
 def test_drawn_force_asks_for_no_greater_depth_than_the_task_allows(environment_id: str) -> None:
     task, deepest = task_of(environment_id), DEEPEST[environment_id]
+    assert task.ranges["greatest_depth"].high[0] == deepest
     capped = 0
     for seed in range(100):
         free = np.linalg.norm(draw(task, seed, surface_stiffness=5000.0).desired_force)
@@ -194,33 +195,63 @@ def test_pressing_along_the_surface_starts_on_its_reference_and_goes_to_and_fro_
 
 
 def test_start_at_home_leaves_the_reference_as_it_is() -> None:
-    for scenario in ("report", "randomized"):
-        home = draw(task_of(FORCE_POSITION, scenario=scenario, start="home"), 3)
-        goal = draw(task_of(FORCE_POSITION, scenario=scenario), 3)
-        np.testing.assert_array_equal(home.joint_position, 0.0)
-        np.testing.assert_array_equal(home.joint_velocity, 0.0)
-        time = np.linspace(0.0, 5.0, 11)[:, None]
-        np.testing.assert_array_equal(home.trajectory.sample(time), goal.trajectory.sample(time))
-        np.testing.assert_array_equal(home.surface.offset, goal.surface.offset)
-        np.testing.assert_array_equal(home.desired_force, goal.desired_force)
+    home = draw(task_of(FORCE_POSITION, scenario="report", start="home"), 3)
+    goal = draw(task_of(FORCE_POSITION, scenario="report"), 3)
+    np.testing.assert_array_equal(home.joint_position, 0.0)
+    np.testing.assert_array_equal(home.joint_velocity, 0.0)
+    time = np.linspace(0.0, 5.0, 11)[:, None]
+    np.testing.assert_array_equal(home.trajectory.sample(time), goal.trajectory.sample(time))
+    np.testing.assert_array_equal(home.surface.offset, goal.surface.offset)
+    np.testing.assert_array_equal(home.desired_force, goal.desired_force)
+
+
+@pytest.mark.parametrize("scenario", ["randomized", "realistic"])
+def test_start_at_home_is_refused_where_the_surface_is_drawn(scenario: str) -> None:
+    with pytest.raises(InvalidValueError, match=r"start is 'home'; allowed: 'goal': .*scenario 'report'"):
+        gymnasium.make(FORCE_POSITION, scenario=scenario, start="home")
 
 
 def test_joint_position_asked_for_overrides_the_start_at_home() -> None:
     position = (0.2, -0.1, 0.3)
-    start = draw(task_of(FORCE_POSITION, start="home"), 3, joint_position=position)
+    start = draw(task_of(FORCE_POSITION, scenario="report", start="home"), 3, joint_position=position)
     np.testing.assert_array_equal(start.joint_position, position)
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, NAN, float("inf"), "hard", (1.0, 2.0)])
-def test_impossible_force_is_refused_as_keyword(environment_id: str, value: Any) -> None:
-    with pytest.raises(InvalidValueError, match=r"desired_force is .* N; allowed: a finite number above 0"):
-        gymnasium.make(environment_id, desired_force=value)
 
 
 @pytest.mark.parametrize(
     ("value", "kind", "message"),
     [
-        (0.0, InvalidValueError, "desired_force is 0.0 N; allowed: a finite number above 0"),
+        (0.0, InvalidValueError, r"desired_force is 0\.0 N; allowed: 0\.001 to 1000\."),
+        (-1.0, InvalidValueError, r"desired_force is -1\.0 N; allowed: 0\.001 to 1000\."),
+        (1001, InvalidValueError, r"desired_force is 1001\.0 N; allowed: 0\.001 to 1000\."),
+        (NAN, InvalidValueError, r"desired_force is nan N; allowed: 0\.001 to 1000\."),
+        (float("inf"), InvalidValueError, r"desired_force is inf N; allowed: 0\.001 to 1000\."),
+        ("hard", InvalidValueError, "desired_force is 'hard' N; allowed: a number"),
+        (True, InvalidValueError, "desired_force is True N; allowed: a number"),
+        ((1.0, 2.0), ShapeError, r"desired_force has shape \(2,\); expected \(\)"),
+    ],
+)
+def test_impossible_force_is_refused_as_keyword(
+    environment_id: str, value: Any, kind: type[PRPError], message: str
+) -> None:
+    with pytest.raises(kind, match=message):
+        gymnasium.make(environment_id, desired_force=value)
+
+
+@pytest.mark.parametrize("value", FORCE_BOUNDS)
+def test_force_at_the_end_of_its_bounds_is_taken(environment_id: str, value: float) -> None:
+    for start in (
+        draw(task_of(environment_id, desired_force=value), 0),
+        draw(task_of(environment_id), 0, desired_force=value),
+    ):
+        assert np.linalg.norm(start.desired_force) == pytest.approx(value, rel=1e-15)  # a unit normal
+
+
+@pytest.mark.parametrize(
+    ("value", "kind", "message"),
+    [
+        (0.0, InvalidValueError, r"desired_force is 0\.0 N; allowed: 0\.001 to 1000\."),
+        (1000.5, InvalidValueError, r"desired_force is 1000\.5 N; allowed: 0\.001 to 1000\."),
+        (True, InvalidValueError, "reset option 'desired_force' is True"),
         (-2.0, InvalidValueError, "desired_force is -2.0 N"),
         (NAN, NonFiniteError, "reset option 'desired_force' is nan"),
         ((0.0, 1.0, 0.0), ShapeError, r"reset option 'desired_force' has shape \(3,\); expected \(\)"),

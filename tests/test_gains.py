@@ -42,6 +42,15 @@ PRINTED: dict[tuple[str, str], dict[str, Any]] = {
         "stiffness": [50.0, 75.0, 50.0, 50.0, 50.0, 50.0],
     },
 }
+LEAST_RATE = {  # [Hz]
+    ("joint_pd", "report"): 500.0,
+    ("joint_pd", "figures"): 1000.0,
+    ("operational_pd", "report"): 500.0,
+    ("operational_pd", "figures"): 1000.0,
+    ("compliance", "report"): 500.0,
+    ("force_inner_position", "report"): 100.0,
+    ("parallel_force_position", "report"): 50.0,
+}
 
 
 def own_values(law: str, name: str) -> dict[str, dict[str, Any]]:
@@ -51,6 +60,15 @@ def own_values(law: str, name: str) -> dict[str, dict[str, Any]]:
 
 def test_file_covers_exactly_the_laws_that_exist() -> None:
     assert set(TABLE) == set(BASELINES)
+
+
+def test_sets_that_are_not_ours_have_the_least_rates_that_are_known() -> None:
+    found = {
+        (law, name): TABLE[law][name].get("minimum_frequency")
+        for law, name in SETS
+        if not name.startswith("tuned")
+    }
+    assert {key: rate for key, rate in found.items() if rate is not None} == LEAST_RATE
 
 
 @pytest.mark.parametrize("law", BASELINES)
@@ -98,6 +116,7 @@ def test_gains_of_the_report_are_its_own(law: str, name: str) -> None:
     for environment_id in list_envs():
         gains = load_gains(law, name, environment_id)
         del gains["source"]
+        assert gains.pop("minimum_frequency", None) == LEAST_RATE.get((law, name))
         assert gains == PRINTED[law, name]
 
 

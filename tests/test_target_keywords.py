@@ -44,6 +44,25 @@ def test_static_task_takes_no_inertia_or_damping() -> None:
             environment(COMPLIANCE, **{name: 1.0})
 
 
+@pytest.mark.parametrize("name", ["target_inertia", "target_damping", "target_stiffness"])
+@pytest.mark.parametrize("end", [0, 1])
+def test_targets_at_the_end_of_their_bounds_are_taken_and_move_finitely(name: str, end: int) -> None:
+    bounds = {
+        "target_inertia": (1e-3, 1e3),
+        "target_damping": (0.0, 1e5),
+        "target_stiffness": (0.0, 1e6),
+    }
+    for frequency in (1, 1000):
+        keywords = {name: bounds[name][end], "control_frequency": frequency, "duration": 5.0}
+        env = environment(IMPEDANCE, **keywords)
+        own = target(env)[tuple(bounds).index(name)]
+        np.testing.assert_array_equal(own, bounds[name][end])
+        env.reset(seed=0)
+        for _ in range(5):
+            env.step(np.zeros(3))
+            assert np.isfinite(env.truth).all()
+
+
 @pytest.mark.parametrize(
     ("environment_id", "name", "value", "kind", "message"),
     [
@@ -52,7 +71,7 @@ def test_static_task_takes_no_inertia_or_damping() -> None:
             "target_stiffness",
             -1.0,
             InvalidValueError,
-            "target_stiffness is -1.0 N/m, N·m/rad; allowed: fin",
+            r"target_stiffness is -1\.0 N/m, N·m/rad; allowed: 0 to 1e\+06\.",
         ),
         (
             IMPEDANCE,
@@ -73,16 +92,31 @@ def test_static_task_takes_no_inertia_or_damping() -> None:
             "target_damping",
             "much",
             InvalidValueError,
-            "target_damping is 'much' N·s/m, .*: one number",
+            "target_damping is 'much' N·s/m, .*: a number or numbers",
         ),
         (ADMITTANCE, "target_inertia", float("inf"), InvalidValueError, "target_inertia is inf kg, kg·m²"),
-        (ADMITTANCE, "target_inertia", 0.0, InvalidValueError, r"target inertia is .*allowed: above 0"),
+        (
+            ADMITTANCE,
+            "target_inertia",
+            0.0,
+            InvalidValueError,
+            r"target_inertia is 0\.0 .*allowed: 0\.001 to 1000\.",
+        ),
+        (
+            IMPEDANCE,
+            "target_inertia",
+            1001,
+            InvalidValueError,
+            r"target_inertia is 1001 .*: 0\.001 to 1000\.",
+        ),
+        (IMPEDANCE, "target_damping", 1.1e5, InvalidValueError, r"target_damping is .*: 0 to 100000\."),
+        (COMPLIANCE, "target_stiffness", True, InvalidValueError, "target_stiffness is True .*: a number"),
         (
             ADMITTANCE,
             "target_inertia",
             (1, 1, 0, 1, 1, 1),
             InvalidValueError,
-            "target inertia is .* kg, kg·m²",
+            r"target_inertia is \(1, 1, 0, 1, 1, 1\) kg, kg·m²; allowed: 0\.001",
         ),
         (ADMITTANCE, "reference", "stay", UnknownNameError, "unknown reference 'stay'"),
     ],
