@@ -109,8 +109,12 @@ class EpisodeLoop:
         self._horizon, self._substeps = config.horizon, config.substeps
         self._frequency = float(config.control_frequency)
         self._space = task.layout.space()
-        self._observed = slice(0, task.layout.size)
-        self._all_observed = task.layout.size == task.truth_layout.size
+        size, measured = task.layout.size, self.physics.measurement_size
+        self._shape = self.truth.shape
+        self._measured = np.s_[:, :measured]
+        self._referenced = np.s_[:, measured:size]
+        self._observed = np.s_[:, :size]
+        self._all_observed = size == task.truth_layout.size
 
     def reset(
         self,
@@ -244,15 +248,14 @@ class EpisodeLoop:
 
     def _measure(self) -> Array:
         """What is true now, new; judged fields as the task last left them."""
-        truth = np.empty((self.num_envs, self.task.truth_layout.size))
-        measured = self.physics.measurement_size
-        self.physics.measure(truth[:, :measured])
-        truth[:, measured : self.task.layout.size] = self._window.current
+        truth = np.empty(self._shape)
+        self.physics.measure(truth[self._measured])
+        truth[self._referenced] = self._window.current
         return truth
 
     def _observe(self) -> Array:
         """The reading of what is true now, new."""
-        observation: Array = self.truth.copy() if self._all_observed else self.truth[:, self._observed].copy()
+        observation: Array = self.truth.copy() if self._all_observed else self.truth[self._observed].copy()
         self._sensors.read(observation)
         return observation
 
