@@ -113,7 +113,7 @@ class TargetModel:
 
 
 def _exponential(matrix: Array) -> Array:
-    """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series; NaN of no finite matrix."""
+    """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series; NaN if not finite."""
     size = float(np.abs(matrix).sum(axis=-1).max())
     if not math.isfinite(size):
         return np.full(matrix.shape, np.nan)
