@@ -238,3 +238,43 @@ def test_goal_replaces_the_end_of_the_reference(environment_id: str) -> None:
     np.testing.assert_allclose(joint_targets(start.trajectory)[-1], goal, rtol=0, atol=1e-15)
     np.testing.assert_allclose(start.trajectory.goal[0, :3], goal, rtol=0, atol=1e-15)
     np.testing.assert_array_equal(start.joint_position, draw(task, 3).joint_position)
+
+
+def drawn_patch(env: PRPEnv) -> tuple[Array, Array]:
+    """Where the picture of the surface lies (3) [m], and its normal."""
+    model = env.physics.model()
+    body = model.body("surface").id
+    w, x, y, z = model.body_quat[body]
+    return model.body_pos[body], np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+
+
+@pytest.mark.parametrize("scenario", ["report", "randomized"])
+def test_drawn_patch_of_the_surface_lies_where_the_tip_touches_it(environment_id: str, scenario: str) -> None:
+    env = environment(environment_id, scenario=scenario)
+    assert isinstance(env.task, ContactTask)
+    for seed in range(3):
+        env.reset(seed=seed)
+        start = draw_again(env.task, seed)
+        position, normal = drawn_patch(env)
+        # some roundings of lengths below 1 m
+        np.testing.assert_allclose(normal, start.surface.normal[0], rtol=0, atol=1e-14)
+        np.testing.assert_allclose(position + TIP_RADIUS * normal, start.touch, rtol=0, atol=1e-14)
+        assert depth_on(start, start.touch) == pytest.approx(0.0, abs=1e-14)
+        # the slide leads there from the start: nothing but the depth is between them along the normal
+        tip = ARM.forward_kinematics(start.joint_position)[:3]
+        assert start.surface.normal[0] @ (tip - start.touch) >= -1e-14 
+
+
+def test_patch_of_a_surface_that_is_given_lies_where_the_contact_projects_on_it(environment_id: str) -> None:
+    env = environment(environment_id)
+    assert isinstance(env.task, ContactTask)
+    given = {"surface_normal": np.array([0.0, -3.0, 4.0]), "surface_offset": np.array(-0.6)}
+    env.reset(seed=4, options=given)
+    start = draw_again(env.task, 4, **given)
+    position, normal = drawn_patch(env)
+    unit = np.array([0.0, -0.6, 0.8])
+    np.testing.assert_allclose(normal, unit, rtol=0, atol=1e-14)
+    expected = start.touch + (-0.6 - unit @ start.touch) * unit
+    np.testing.assert_allclose(position + TIP_RADIUS * unit, expected, rtol=0, atol=1e-14)
+    # the place of the contact is drawn all the same
+    np.testing.assert_array_equal(start.touch, draw_again(env.task, 4).touch)
