@@ -147,7 +147,7 @@ def test_name_of_the_environments_package_exists(name: str) -> None:
     assert getattr(envs, name).__name__ == name
 
 
-@pytest.mark.parametrize("environment_id", list(ENVIRONMENTS))
+@pytest.mark.parametrize("environment_id", prp_gym.list_envs())
 def test_environments_with_their_tasks_and_keywords_are_public(environment_id: str) -> None:
     env = gymnasium.make(environment_id).unwrapped
     assert isinstance(env, envs.PRPEnv)

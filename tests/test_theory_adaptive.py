@@ -42,7 +42,7 @@ def last_error(
     return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
 
 
-def same_feedback() -> dict[str, Array]:
+def same_feedback() -> dict[str, Any]:
     """Gains of `joint_inverse_dynamics` that feed back as the tuned adaptive law does."""
     with closing(gymnasium.make(TRACKING)) as env:
         law = prp_gym.make_baseline("adaptive", env)
