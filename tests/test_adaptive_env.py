@@ -9,10 +9,7 @@ import pytest
 
 from prp_gym.envs import EpisodeLoop, PRPEnv
 from prp_gym.envs.adaptive import AdaptiveTracking, LinkStart
-from prp_gym.errors import (
-    EpisodeError,
-    ShapeError,
-)
+from prp_gym.errors import EpisodeError, ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
 from prp_gym.tasks.fields import LINK_POSITION_BOUND

@@ -257,16 +257,16 @@ def test_impossible_goal_is_refused_and_force_regulation_takes_none(environment_
 @pytest.mark.parametrize(("name", "bounds"), SURFACE_BOUNDS.items())
 @pytest.mark.parametrize("end", [0, 1])
 def test_surface_at_the_end_of_its_bounds_is_taken(name: str, bounds: tuple[float, float], end: int) -> None:
-    for keywords, options in (({name: bounds[end]}, {}), ({}, {name: bounds[end]})):
-        task = task_of("PRP-Compliance-v0", **keywords)
-        start = draw(task, 0, **options)
+    value: dict[str, Any] = {name: bounds[end]}
+    plain, keyed = task_of("PRP-Compliance-v0"), task_of("PRP-Compliance-v0", **value)
+    for start in (draw(plain, 0, **value), draw(keyed, 0)):
         assert getattr(start.surface, name.removeprefix("surface_"))[0] == bounds[end]
 
 
 def test_hardest_surface_pushes_within_the_declared_bounds(environment_id: str) -> None:
     """Stiffest, and as far before the arm as a surface may be: an observation that the space contains."""
-    hardest = {"surface_normal": (0.0, -1.0, 0.0)}
-    hardest |= {name: bounds[1] for name, bounds in SURFACE_BOUNDS.items()}
+    hardest: dict[str, Any] = {name: bounds[1] for name, bounds in SURFACE_BOUNDS.items()}
+    hardest["surface_normal"] = (0.0, -1.0, 0.0)
     env = environment(environment_id, scenario="report")
     observation, _ = env.reset(seed=0, options=hardest)
     depth = 5.0 + ARM.forward_kinematics(truth_of(env)["joint_position"])[1]

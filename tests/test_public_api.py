@@ -10,9 +10,11 @@ import gymnasium
 import pytest
 
 import prp_gym
+from prp_gym import envs
 from prp_gym.baselines import BASELINES
 from prp_gym.errors import PRPError, UnknownNameError
 from prp_gym.registration import ENVIRONMENTS, register_environments
+from prp_gym.tasks.task import NoOptions
 
 HEAVY = ("rich", "typer", "torch", "stable_baselines3", "matplotlib", "mujoco", "pinocchio")
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
@@ -138,3 +140,19 @@ def test_pictures_are_drawn_with_egl_where_there_is_no_display(
     library: str | None, variables: dict[str, str], expected: str | None
 ) -> None:
     assert graphics(library, **variables) == expected
+
+
+@pytest.mark.parametrize("name", envs.__all__)
+def test_name_of_the_environments_package_exists(name: str) -> None:
+    assert getattr(envs, name).__name__ == name
+
+
+@pytest.mark.parametrize("environment_id", prp_gym.list_envs())
+def test_environments_with_their_tasks_and_keywords_are_public(environment_id: str) -> None:
+    env = gymnasium.make(environment_id).unwrapped
+    assert isinstance(env, envs.PRPEnv)
+    needed = {type(env), env.task_class, env.options_class} - {NoOptions}
+    assert {kind.__name__ for kind in needed} <= set(envs.__all__)
+    assert len(set(envs.__all__)) == len(envs.__all__)
+    for kind in needed:
+        assert getattr(envs, kind.__name__) is kind

@@ -136,7 +136,10 @@ def test_law_that_renders_another_target_is_judged_better_than_one_that_does_not
     law: str, environment_id: str
 ) -> None:
     """A target of three times the stiffness: the law that is told of it follows its model's pose."""
-    keywords = {"target_stiffness": [150.0, 150.0, 150.0, 50.0, 50.0, 50.0], "surface_stiffness": 400.0}
+    keywords: dict[str, Any] = {
+        "target_stiffness": [150.0, 150.0, 150.0, 50.0, 50.0, 50.0],
+        "surface_stiffness": 400.0,
+    }
     env = gymnasium.make(environment_id, scenario="randomized", duration=3.0, **keywords)
     told = make_baseline(law, env)
     own = load_gains(law, "tuned", environment_id)["stiffness"]

@@ -1,7 +1,8 @@
 """Second-order target models against closed forms and a fine Runge-Kutta integration."""
 
 from collections.abc import Callable
-from itertools import pairwise
+from decimal import Decimal, getcontext
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -101,6 +102,57 @@ def test_models_of_many_episodes_advance_together() -> None:
     for row in range(7):
         alone = model.advance(Displacement(value[row], rate[row]), begin[row], end[row])
         np.testing.assert_allclose(alone, (together.value[row], together.rate[row]), rtol=1e-13, atol=1e-15)
+
+
+def in_eighty_digits(inertia: float, damping: float, stiffness: float, period: float) -> tuple[Array, float]:
+    """What (z, ż, f at the begin, f at the end) make of (z, ż), and the norm of the argument."""
+    getcontext().prec = 80
+    m, d, k, t = (Decimal(number) for number in (inertia, damping, stiffness, period))
+    argument = np.full((4, 4), Decimal(0))
+    argument[0, 1] = argument[2, 3] = t
+    argument[1, :3] = [-k / m * t, -d / m * t, t / m]
+    norm = max(sum(abs(entry) for entry in row) for row in argument)
+    halvings = max(0, norm.adjusted() + 1) * 4
+    small = argument / Decimal(2) ** halvings
+    term = total = np.array([[Decimal(int(row == column)) for column in range(4)] for row in range(4)])
+    for order in range(1, 60):
+        term = term.dot(small) / order
+        total = total + term
+    for _ in range(halvings):
+        total = total.dot(total)
+    total[:, 3] = total[:, 3] / t
+    total[:, 2] = total[:, 2] - total[:, 3]
+    return total[:2].astype(np.float64), float(norm)
+
+
+@pytest.mark.parametrize("period", [0.001, 0.02, 1.0])
+@pytest.mark.parametrize("inertia", [1e-3, 0.5, 1e3])
+def test_period_is_exact_for_all_targets_that_a_task_may_ask_for(inertia: float, period: float) -> None:
+    for axes in product((0.0, 10.0, 1e5), (0.0, 50.0, 1e6)):
+        model = TargetModel(np.full(6, inertia), np.full(6, axes[0]), np.full(6, axes[1]), period)
+        exact, norm = in_eighty_digits(inertia, *axes, period)
+        for column, inputs in enumerate(np.eye(4)[:, :, None] * np.ones(6)):
+            value, rate, begin, end = inputs
+            found = np.array(model.advance(Displacement(value, rate), begin, end))
+            # rounding of the argument, 1e-16 of its norm; the squarings make some hundred times that
+            bound = 4e-14 * (norm + 1.0) * np.abs(exact[:, column]).max()
+            np.testing.assert_allclose(found, np.repeat(exact[:, [column]], 6, axis=1), rtol=0, atol=bound)
+
+
+def test_axes_of_one_model_do_not_touch_each_other() -> None:
+    hard = TargetModel(M, K_D, np.array([1e6, 1e6, 1e6, 1e6, 1e6, 50.0]), 0.02)
+    soft = TargetModel(M, K_D, np.full(6, 50.0), 0.02)
+    found, alone = (model.advance(START, np.ones(6), np.zeros(6)) for model in (hard, soft))
+    # 22 squarings for the hard axes' sake: 2^22 roundings of 1e-16
+    np.testing.assert_allclose(np.array(found)[:, 5], np.array(alone)[:, 5], rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["damping", "stiffness"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_model_whose_motion_is_not_finite_is_refused(name: str, value: float) -> None:
+    numbers = {"inertia": M, "damping": K_D, "stiffness": K_P} | {name: np.array([*np.ones(5), value])}
+    with pytest.raises(InvalidValueError, match=r"target model is .* whose motion over a period is finite"):
+        TargetModel(**numbers, period=0.002)
 
 
 @pytest.mark.parametrize("inertia", [np.zeros(6), np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0])])

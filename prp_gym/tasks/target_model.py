@@ -113,8 +113,10 @@ class TargetModel:
 
 
 def _exponential(matrix: Array) -> Array:
-    """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series."""
+    """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series; NaN if not finite."""
     size = float(np.abs(matrix).sum(axis=-1).max())
+    if not math.isfinite(size):
+        return np.full(matrix.shape, np.nan)
     squarings = max(0, math.ceil(math.log2(max(size, 1.0)))) + _SAFE_SQUARINGS
     small = matrix / 2.0**squarings
     term = total = np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
