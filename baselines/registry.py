@@ -17,7 +17,11 @@ from prp_gym.baselines.policy import Baseline, ControlInterface
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tasks.fields import ObservationLayout
 
-TASK_RENDERING = ("tuned", "tuned_50hz")
+TASK_RENDERING = {
+    "compliance": ("tuned",),  # at 50 Hz no spring on the angles is stable that is as stiff as its task asks
+    "impedance": ("tuned", "tuned_50hz"),
+    "admittance": ("tuned", "tuned_50hz"),
+}
 """The gain sets with which a law renders what the task asks for, where it asks for anything."""
 
 _LAWS: tuple[type[Baseline[Any]], ...] = (
@@ -73,7 +77,7 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
     values = load_gains(name, gains, interface.environment_id)
     values.pop("source")
     least = values.pop("minimum_frequency", 0.0)
-    if gains in TASK_RENDERING:
+    if gains in TASK_RENDERING.get(name, ()):
         values |= {key: interface.asked[key] for key in law.rendered if key in interface.asked}
     own_gains = set(law.settings_class.vectors) <= set(overrides)
     if round(1.0 / interface.period, 6) < least and not own_gains:

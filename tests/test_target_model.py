@@ -166,3 +166,10 @@ def test_wrong_sizes_and_periods_are_refused() -> None:
         TargetModel(M, np.ones(3), K_P, 0.002)
     with pytest.raises(InvalidValueError, match="period"):
         TargetModel(M, K_D, K_P, 0.0)
+
+
+@pytest.mark.parametrize("name", ["damping", "stiffness"])
+def test_model_that_pushes_is_refused(name: str) -> None:
+    numbers = {"inertia": M, "damping": K_D, "stiffness": K_P} | {name: np.array([*np.ones(5), -1e-9])}
+    with pytest.raises(InvalidValueError, match=rf"target {name} is .*; allowed: at least 0"):
+        TargetModel(**numbers, period=0.002)

@@ -43,7 +43,8 @@ class TargetModel:
 
     Raises:
         ShapeError: not six components.
-        InvalidValueError: an inertia or a period that is not positive, numbers whose motion is not finite.
+        InvalidValueError: an inertia or a period that is not positive, negative damping or stiffness, numbers
+            whose motion is not finite.
 
     Source: [S] 9.3.1; [R] 12, 13.
     """
@@ -58,6 +59,9 @@ class TargetModel:
             object.__setattr__(self, name, as_vectors(getattr(self, name), f"target {name}", 6))
         if not (self.inertia > 0.0).all():
             raise InvalidValueError("target inertia", self.inertia.tolist(), "above 0", "kg, kg·m²")
+        for name in ("damping", "stiffness"):
+            if (getattr(self, name) < 0.0).any():
+                raise InvalidValueError(f"target {name}", getattr(self, name).tolist(), "at least 0")
         if not self.period > 0.0:
             raise InvalidValueError("period", self.period, "above 0", "s")
         transition = self._discretise()
