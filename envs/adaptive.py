@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
-from prp_gym.errors import EpisodeError, InvalidValueError, UnknownNameError
+from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.physics.link_simulation import LinkPhysics
@@ -19,8 +19,9 @@ from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
 from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND
 from prp_gym.tasks.scenario import Scenario
-from prp_gym.tasks.task import EpisodeStart, ResetOption, Task, TaskNumbers
+from prp_gym.tasks.task import ResetOption, TaskNumbers
 from prp_gym.tasks.trajectory import Sine, SquareAcceleration, Trajectory
+from prp_gym.tasks.trajectory_task import TrajectoryStart, TrajectoryTask
 
 REFERENCES = ("sine", "square")
 PLANT_OPTIONS = {
@@ -86,19 +87,17 @@ def make_link(numbers: Mapping[str, float]) -> LinkParameters:
 
 
 @dataclass(frozen=True, eq=False)
-class LinkStart(EpisodeStart):
+class LinkStart(TrajectoryStart):
     """A start with its reference and its plant.
 
     Attributes:
-        trajectory: one row.
         plant: the link that is to be moved.
     """
 
-    trajectory: Trajectory
     plant: LinkParameters
 
 
-class AdaptiveTracking(Task[LinkStart]):
+class AdaptiveTracking(TrajectoryTask[LinkStart]):
     """Follow q_d(t) with a link whose I, F and G no policy knows. Source: [R] 8.1."""
 
     environment_id = "PRP-Adaptive-v0"
@@ -113,14 +112,6 @@ class AdaptiveTracking(Task[LinkStart]):
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         super().__init__(numbers, scenario, options, period)
         self.model = Link(NOMINAL_LINK)
-        self._trajectory: Trajectory | None = None
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The reference of every environment, N rows."""
-        if self._trajectory is None:
-            raise EpisodeError("no episode has begun yet: call reset() first.")
-        return self._trajectory
 
     def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
         """See `Task.make_physics`."""
@@ -174,19 +165,9 @@ class AdaptiveTracking(Task[LinkStart]):
             np.array([link.gravity_moment for link in links]),
         )
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[LinkStart]) -> None:
-        """See `Task.begin`."""
-        rows = [start.trajectory for start in starts]
-        stacked = type(rows[0]).concatenate(rows)
-        if self._trajectory is None:
-            self._trajectory = stacked
-        else:
-            self._trajectory.assign(ids, stacked)
-
     def reference(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
         """See `Task.reference`."""
-        rows = self.trajectory if ids is None else self.trajectory.rows(ids)
-        return rows.sample(time)
+        return self.rows(ids).sample(time)
 
     def errors(self, truth: Array, torque: Array) -> Array:
         """(..., 2, 1): tracking error [rad] and torque [N m]."""

@@ -2,13 +2,12 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import EpisodeError, InvalidValueError, JointLimitError
+from prp_gym.errors import InvalidValueError, JointLimitError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.mjcf import PhysicsSettings
 from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, Mark, Path
@@ -18,8 +17,9 @@ from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import JOINT_UNITS, NOMINAL
 from prp_gym.tasks.fields import SPEED_BOUND
 from prp_gym.tasks.scenario import PlantDraw, Scenario
-from prp_gym.tasks.task import EpisodeStart, ResetOption, Task, TaskNumbers
+from prp_gym.tasks.task import ResetOption, TaskNumbers
 from prp_gym.tasks.trajectory import Trajectory
+from prp_gym.tasks.trajectory_task import StartT, TrajectoryTask
 
 _PATH_POINTS = 120
 _ROUNDING = 1e-6  # [rad] or [m]: a limit written in single precision, or a sum that ends on it
@@ -29,20 +29,6 @@ ARM_OPTIONS = {
     "joint_velocity": ResetOption((3,), "rad/s, m/s, rad/s", "initial joint velocity"),
     "goal": ResetOption((3,), "rad, m, rad", "joint position at the goal"),
 }
-
-
-@dataclass(frozen=True, eq=False)
-class TrajectoryStart(EpisodeStart):
-    """A start with its reference.
-
-    Attributes:
-        trajectory: one row.
-    """
-
-    trajectory: Trajectory
-
-
-StartT = TypeVar("StartT", bound=TrajectoryStart)
 
 
 def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
@@ -71,7 +57,7 @@ def arm_world(physics: Simulation) -> Physics:
     return physics
 
 
-class ArmTask(Task[StartT]):
+class ArmTask(TrajectoryTask[StartT]):
     """A task of the arm with a reference trajectory."""
 
     reset_options = ARM_OPTIONS
@@ -80,14 +66,6 @@ class ArmTask(Task[StartT]):
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         super().__init__(numbers, scenario, options, period)
         self.arm = self.model = PRPArm(NOMINAL)
-        self._trajectory: Trajectory | None = None
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The reference of every environment, N rows."""
-        if self._trajectory is None:
-            raise EpisodeError("no episode has begun yet: call reset() first.")
-        return self._trajectory
 
     @abstractmethod
     def tip_path(self, trajectory: Trajectory, time: Array) -> Array:
@@ -137,19 +115,6 @@ class ArmTask(Task[StartT]):
                 "initial joint velocity", velocity.tolist(), f"within ±{SPEED_BOUND}", unit
             )
         return position, velocity
-
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[StartT]) -> None:
-        """See `Task.begin`."""
-        rows = [start.trajectory for start in starts]
-        stacked = type(rows[0]).concatenate(rows)
-        if self._trajectory is None:
-            self._trajectory = stacked
-        else:
-            self._trajectory.assign(ids, stacked)
-
-    def rows(self, ids: NDArray[np.intp] | None) -> Trajectory:
-        """The references of some environments, or of all."""
-        return self.trajectory if ids is None else self.trajectory.rows(ids)
 
     def marks(self, index: int, duration: float) -> list[Mark]:
         """The goal of the tip, and its path where the reference moves."""

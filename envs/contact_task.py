@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.arm_task import ARM_OPTIONS, TrajectoryStart, arm_world, check_joint_limits
+from prp_gym.envs.arm_task import ARM_OPTIONS, arm_world, check_joint_limits
 from prp_gym.envs.checks import shaped, within
 from prp_gym.envs.config import describe
 from prp_gym.envs.pose_task import PoseReferenceTask
@@ -20,6 +20,7 @@ from prp_gym.tasks.fields import CONTACT_FORCE, MEASURED_FIELDS
 from prp_gym.tasks.scenario import PlantDraw, Scenario
 from prp_gym.tasks.task import ResetOption, TaskNumbers
 from prp_gym.tasks.trajectory import Trajectory
+from prp_gym.tasks.trajectory_task import TrajectoryStart
 
 SURFACE_OPTIONS = {
     "surface_stiffness": ResetOption((), "N/m", "stiffness K of the surface"),

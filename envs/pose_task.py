@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.arm_task import ArmTask, StartT, TrajectoryStart
+from prp_gym.envs.arm_task import ArmTask
 from prp_gym.envs.reference_draws import FreeTask
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
@@ -13,6 +13,7 @@ from prp_gym.tasks.fields import POSE_REFERENCE_FIELDS, Field
 from prp_gym.tasks.scenario import Scenario
 from prp_gym.tasks.task import TaskNumbers
 from prp_gym.tasks.trajectory import Trajectory
+from prp_gym.tasks.trajectory_task import StartT, TrajectoryStart
 
 SCORED_ANGLES = 2  # α and β; γ never moves
 

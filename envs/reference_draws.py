@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from prp_gym.envs.arm_task import ArmTask, TrajectoryStart, check_joint_limits
+from prp_gym.envs.arm_task import ArmTask, check_joint_limits
 from prp_gym.envs.config import describe
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
+from prp_gym.tasks.trajectory_task import TrajectoryStart
 
 STARTS = ("scenario", "first_waypoint", "home")
 START_KEYWORD = describe(

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.noise import WhiteNoise
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import Scenario
 
-_BLOCK = 256  # readings of noise drawn at once for an environment; part of what a seed means
 _STREAM = 1  # beside the drives' stream of the same seed
 _FORCE = "contact_force"
 
@@ -47,8 +47,6 @@ class IdealSensors(Sensors):
 class NoisyForceSensor(Sensors):
     """The contact force is read with a constant error and white noise on each axis.
 
-    An environment's errors depend on its seed and its own step count alone, not on its neighbours.
-
     Args:
         scenario: largest constant error and deviation of the noise.
         place: of the contact force in an observation.
@@ -59,32 +57,22 @@ class NoisyForceSensor(Sensors):
         self._deviation, self._largest_bias = scenario.force_noise, scenario.force_bias
         self._place = place
         self._bias = np.zeros((num_envs, 3))
-        self._noise = np.zeros((_BLOCK, num_envs, 3))
-        self._steps = np.zeros(num_envs, dtype=np.intp)
-        self._rngs = [np.random.default_rng(0) for _ in range(num_envs)]
-        self._rows = np.arange(num_envs)
+        self._noise = WhiteNoise(num_envs, 3)
 
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
-        """Draw the constant errors and the first block of noise."""
-        self._steps[ids] = 0
-        for index, seed in zip(ids, seeds, strict=True):
-            self._rngs[index] = np.random.default_rng((seed, _STREAM))
-            self._bias[index] = self._rngs[index].uniform(-self._largest_bias, self._largest_bias, 3)
-            self._refill(index)
+        """Draw the constant errors, and seed the noise."""
+        rngs = [np.random.default_rng((seed, _STREAM)) for seed in seeds]
+        for index, rng in zip(ids, rngs, strict=True):
+            self._bias[index] = rng.uniform(-self._largest_bias, self._largest_bias, 3)
+        self._noise.begin(ids, rngs)
 
     def advance(self) -> None:
         """On to the next reading of each environment."""
-        self._steps += 1
-        for index in np.flatnonzero(self._steps % _BLOCK == 0):
-            self._refill(index)
+        self._noise.advance()
 
     def read(self, observation: Array) -> None:
         """Constant error and noise on top of the contact force."""
-        noise = self._noise[self._steps % _BLOCK, self._rows]
-        observation[:, self._place] += self._bias + noise
-
-    def _refill(self, index: np.intp) -> None:
-        self._noise[:, index] = self._deviation * self._rngs[index].standard_normal((_BLOCK, 3))
+        observation[:, self._place] += self._bias + self._deviation * self._noise.current
 
 
 def make_sensors(scenario: Scenario, layout: ObservationLayout, num_envs: int) -> Sensors:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prp_gym.envs import JointRegulation, JointTracking, PRPEnv
-from prp_gym.envs.arm_task import TrajectoryStart, check_joint_limits
+from prp_gym.envs.arm_task import check_joint_limits
 from prp_gym.envs.data import load_scenario, load_task_numbers
 from prp_gym.envs.joint_task import JointTask
 from prp_gym.envs.joint_tracking import REFERENCES, TrackingOptions
@@ -20,6 +20,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Constant, QuinticWaypoints
 from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.task import NoOptions
+from prp_gym.tasks.trajectory_task import TrajectoryStart
 
 SEEDS = st.integers(0, 2**32 - 1)
 PERIOD = 0.002  # of control; nothing here depends on it [s]

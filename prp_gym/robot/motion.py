@@ -31,12 +31,14 @@ class MotionConversion(InverseKinematics):
 
         Source: [S] 3.6, 3.8.
         """
-        q = as_vectors(joint_position, "joint_position")
-        velocity = as_vectors(joint_velocity, "joint_velocity")
+        q, velocity, acceleration = np.broadcast_arrays(
+            as_vectors(joint_position, "joint_position"),
+            as_vectors(joint_velocity, "joint_velocity"),
+            as_vectors(joint_acceleration, "joint_acceleration"),
+        )
         J_A = self.analytical_jacobian(q)
         drift = apply(self.analytical_jacobian_derivative(q, velocity), velocity)
-        acceleration = apply(J_A, as_vectors(joint_acceleration, "joint_acceleration")) + drift
-        return self.forward_kinematics(q), apply(J_A, velocity), acceleration
+        return self.forward_kinematics(q), apply(J_A, velocity), apply(J_A, acceleration) + drift
 
     def joint_position_of_pose(self, pose: ArrayLike) -> Array:
         """The joint position of a pose, joint limits ignored.
@@ -83,12 +85,13 @@ class MotionConversion(InverseKinematics):
 
         Source: [S] 3.7.
         """
+        pose, velocity, acceleration = np.broadcast_arrays(
+            as_vectors(pose, "pose", 6),
+            as_vectors(velocity, "velocity", 6),
+            as_vectors(acceleration, "acceleration", 6),
+        )
         q = self.joint_position_of_pose(pose)
         J_A = self.analytical_jacobian(q)
-        joint_velocity = solve_least_squares(J_A, as_vectors(velocity, "velocity", 6))
+        joint_velocity = solve_least_squares(J_A, velocity)
         drift = apply(self.analytical_jacobian_derivative(q, joint_velocity), joint_velocity)
-        return (
-            q,
-            joint_velocity,
-            solve_least_squares(J_A, as_vectors(acceleration, "acceleration", 6) - drift),
-        )
+        return q, joint_velocity, solve_least_squares(J_A, acceleration - drift)

@@ -1,0 +1,49 @@
+"""White noise for N environments, each with its own generator."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.robot.arrays import Array
+
+_BLOCK = 256  # steps drawn at once for an environment; part of what a seed means
+
+
+class WhiteNoise:
+    """Standard normal numbers, step by step.
+
+    An environment's numbers depend on its generator and its own step count alone, not on its neighbours.
+
+    Args:
+        num_envs: N.
+        size: numbers a step.
+    """
+
+    def __init__(self, num_envs: int, size: int) -> None:
+        self._values = np.zeros((_BLOCK, num_envs, size))
+        self._steps = np.zeros(num_envs, dtype=np.intp)
+        self._rngs = [np.random.default_rng(0) for _ in range(num_envs)]
+        self._rows = np.arange(num_envs)
+
+    def begin(self, ids: NDArray[np.intp], rngs: Sequence[np.random.Generator]) -> None:
+        """Start anew in some environments (n), with their generators."""
+        self._steps[ids] = 0
+        for index, rng in zip(ids, rngs, strict=True):
+            self._rngs[index] = rng
+            self._refill(index)
+
+    @property
+    def current(self) -> Array:
+        """(N, size): the numbers of this step."""
+        values: Array = self._values[self._steps % _BLOCK, self._rows]
+        return values
+
+    def advance(self) -> None:
+        """On to the next step."""
+        self._steps += 1
+        for index in np.flatnonzero(self._steps % _BLOCK == 0):
+            self._refill(index)
+
+    def _refill(self, index: np.intp) -> None:
+        self._values[:, index] = self._rngs[index].standard_normal(self._values.shape[::2])
