@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.operational import OperationalBaseline
+from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
 from prp_gym.baselines.policy import ControlInterface, LawState, Observed
 from prp_gym.baselines.settings import Settings, Vector
 from prp_gym.robot.arrays import Array
@@ -57,13 +57,7 @@ class Admittance(OperationalBaseline[AdmittanceSettings]):
 
     name = "admittance"
     summary = "admittance: a compliant frame driven by the contact force, tracked by inverse dynamics"
-    measured_fields = (
-        "joint_position",
-        "joint_velocity",
-        "end_effector_pose",
-        "end_effector_velocity",
-        "contact_force",
-    )
+    measured_fields = (*MEASURED_MOTION, "contact_force")
     settings_class = AdmittanceSettings
     rendered = ("inertia", "damping", "stiffness")
 

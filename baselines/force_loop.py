@@ -7,12 +7,11 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from prp_gym.baselines.force_integral import FixedGains, ForceError, ForceIntegral, ScheduledGain
-from prp_gym.baselines.operational import OperationalBaseline
+from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
 from prp_gym.baselines.policy import ControlInterface, LawState, Observed
 from prp_gym.baselines.references import PoseReference
 from prp_gym.baselines.settings import Settings, Vector
 from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
-from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 
 
@@ -47,7 +46,7 @@ class ForceLoopSettings(Settings):
     forgetting_time: float = 0.5
 
     vectors: ClassVar = {
-        "inertia": Vector("pose", "kg, kg·m²"),
+        "inertia": Vector("pose", "kg, kg·m²", above_zero=True),
         "derivative_gain": Vector("pose", "N·s/m, N·m·s/rad"),
         "proportional_gain": Vector("pose", "N/m, N·m/rad"),
     }
@@ -61,11 +60,6 @@ class ForceLoopSettings(Settings):
         "forgetting_time": "s",
     }
     choices: ClassVar = {"stiffness": ("fixed", "estimated")}
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not (self.inertia > 0.0).all():
-            raise InvalidValueError("inertia", self.inertia.tolist(), "above 0", "kg, kg·m²")
 
     def force_integral(self, period: float) -> ForceIntegral:
         """The outer loop, at a control period [s]."""
@@ -89,13 +83,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         settings: the law's numbers.
     """
 
-    measured_fields = (
-        "joint_position",
-        "joint_velocity",
-        "end_effector_pose",
-        "end_effector_velocity",
-        "contact_force",
-    )
+    measured_fields = (*MEASURED_MOTION, "contact_force")
     integrators = (0,)
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:

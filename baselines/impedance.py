@@ -6,7 +6,6 @@ from typing import Any, ClassVar
 from prp_gym.baselines.operational import MEASURED_MOTION, OperationalStaticBaseline
 from prp_gym.baselines.policy import Observed
 from prp_gym.baselines.settings import Settings, Vector
-from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 
 
@@ -25,15 +24,10 @@ class ImpedanceSettings(Settings):
     stiffness: Any
 
     vectors: ClassVar = {
-        "inertia": Vector("pose", "kg (3), kg·m² (3)"),
+        "inertia": Vector("pose", "kg (3), kg·m² (3)", above_zero=True),
         "damping": Vector("pose", "N·s/m (3), N·m·s/rad (3)"),
         "stiffness": Vector("pose", "N/m (3), N·m/rad (3)"),
     }
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not (self.inertia > 0.0).all():
-            raise InvalidValueError("inertia", self.inertia.tolist(), "above 0", "kg (3), kg·m² (3)")
 
 
 class Impedance(OperationalStaticBaseline[ImpedanceSettings]):

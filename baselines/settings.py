@@ -18,10 +18,12 @@ class Vector:
     Attributes:
         of: `joint`, `pose` (six components) or `parameter` of the model.
         unit: of the components.
+        above_zero: whether 0 is refused too.
     """
 
     of: str
     unit: str
+    above_zero: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,7 +49,7 @@ class Settings:
         if self.model is not None and not isinstance(self.model, (RobotParameters, LinkParameters)):
             raise InvalidValueError("model", self.model, "a RobotParameters, a LinkParameters or None")
         for name, vector in self.vectors.items():
-            self._make_vector(name, vector.unit)
+            self._make_vector(name, vector)
         for name, unit in self.numbers.items():
             self._make_number(name, unit)
         for name, allowed in self.choices.items():
@@ -85,14 +87,16 @@ class Settings:
             full[name] = np.broadcast_to(value, (size,))
         return replace(self, **full)
 
-    def _make_vector(self, name: str, unit: str) -> None:
-        given = getattr(self, name)
+    def _make_vector(self, name: str, declared: Vector) -> None:
+        given, unit = getattr(self, name), declared.unit
         try:
             vector = np.array(given, dtype=np.float64)
         except (TypeError, ValueError):
             raise InvalidValueError(name, given, "one number or several", unit) from None
         if vector.ndim > 1 or not (np.isfinite(vector).all() and (vector >= 0.0).all()):
             raise InvalidValueError(name, given, "finite and at least 0", unit)
+        if declared.above_zero and not (vector > 0.0).all():
+            raise InvalidValueError(name, vector.tolist(), "above 0", unit)
         vector.flags.writeable = False
         object.__setattr__(self, name, vector)
 

@@ -46,6 +46,17 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
         raise JointLimitError(what, joint + 1, float(joint_position[place]), limits, JOINT_UNITS[joint])
 
 
+def path_from(start: Array, waypoints: Array, intervals: Array) -> tuple[Array, Array]:
+    """Times (K + 1) [s] and positions (K + 1, d) of a path that leaves a start (d) at t = 0.
+
+    Args:
+        start: (d) any unit.
+        waypoints: (K, d) that follow.
+        intervals: (K) between them [s].
+    """
+    return np.concatenate([[0.0], np.cumsum(intervals)]), np.concatenate([start[None], waypoints])
+
+
 def arm_world(physics: Simulation) -> Physics:
     """A world as one of the arm.
 

@@ -132,15 +132,12 @@ class ContactPlace:
         Returns:
             (..., 3) [rad, m, rad].
         """
-        geometry = self.arm.parameters.geometry
-        a_1, a_3 = geometry.first_link_offset, geometry.third_link_length
-        turn, depth = offsets[..., 0], offsets[..., 1]
-        q = np.empty(offsets.shape)
-        q[..., 0] = self.joint_position[0] + turn
-        q[..., 2] = self.joint_position[2] + offsets[..., 2]
-        reach = self.joint_position[1] + geometry.slide_offset + a_3 * np.cos(self.joint_position[2])
-        reach = (reach + self.side * depth + a_1 * np.sin(turn)) / np.cos(turn)
-        q[..., 1] = reach - geometry.slide_offset - a_3 * np.cos(q[..., 2])
+        a_1, turn = self.arm.parameters.geometry.first_link_offset, offsets[..., 0]
+        q = np.broadcast_to(self.joint_position, offsets.shape).copy()
+        q[..., 0] += turn
+        q[..., 2] += offsets[..., 2]
+        reach = self.arm.reach(self.joint_position) + self.side * offsets[..., 1] + a_1 * np.sin(turn)
+        q[..., 1] += reach / np.cos(turn) - self.arm.reach(q)
         return q
 
 

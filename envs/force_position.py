@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.envs.arm_task import path_from
 from prp_gym.envs.config import describe
 from prp_gym.envs.contact_task import ContactStart
 from prp_gym.envs.environment import PRPEnv
@@ -21,20 +22,17 @@ STARTS = ("goal", "home")
 
 
 @dataclass(frozen=True, eq=False)
-class ReachWaypoints(Trajectory):
+class ReachWaypoints(QuinticWaypoints):
     """Quintic segments in q_1, the reach L = q_2 + d̄_2 + a_3 C_3 and q_3, as motions of the joints.
 
     While q_1 and L rest and q_3 turns, the tip moves along a plane across the slide.
 
     Attributes:
-        times: (N, K), strictly increasing [s].
         positions: (N, K, 3) q_1 [rad], L [m], q_3 [rad].
         slide_offset: d̄_2 (N, 1) [m].
         third_link: a_3 (N, 1) [m].
     """
 
-    times: Array
-    positions: Array
     slide_offset: Array
     third_link: Array
 
@@ -44,12 +42,12 @@ class ReachWaypoints(Trajectory):
         geometry = arm.parameters.geometry
         d_2, a_3 = geometry.slide_offset, geometry.third_link_length
         positions = joints.copy()
-        positions[:, 1] += d_2 + a_3 * np.cos(joints[:, 2])
+        positions[:, 1] = arm.reach(joints)
         return cls(times[None], positions[None], np.full((1, 1), d_2), np.full((1, 1), a_3))
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
-        values = QuinticWaypoints(self.times, self.positions).sample(time)
+        values = super().sample(time)
         d_2, a_3 = self.slide_offset[:, 0], self.third_link[:, 0]
         sine, cosine = a_3 * np.sin(values[..., 2]), a_3 * np.cos(values[..., 2])
         rate, acceleration = values[..., 5], values[..., 8]
@@ -59,14 +57,9 @@ class ReachWaypoints(Trajectory):
         return values
 
     @property
-    def is_constant(self) -> bool:
-        """Whether all waypoints coincide."""
-        return not np.any(self.positions - self.positions[:, :1])
-
-    @property
     def goal(self) -> Array:
         """The last waypoint, (N, 3) [rad, m, rad]."""
-        goal = self.positions[:, -1].copy()
+        goal = super().goal.copy()
         goal[:, 1] -= self.slide_offset[:, 0] + self.third_link[:, 0] * np.cos(goal[:, 2])
         return goal
 
@@ -116,8 +109,7 @@ class ForcePosition(ForceTask):
 
     def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
         """Along the surface, from the start through the waypoints."""
-        times = np.concatenate([[0.0], np.cumsum(intervals)])
-        return ReachWaypoints.through(self.arm, times, np.concatenate([start[None], waypoints]))
+        return ReachWaypoints.through(self.arm, *path_from(start, waypoints, intervals))
 
 
 class ForcePositionEnv(PRPEnv):

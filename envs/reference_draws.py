@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from prp_gym.envs.arm_task import ArmTask, check_joint_limits
+from prp_gym.envs.arm_task import ArmTask, check_joint_limits, path_from
 from prp_gym.envs.config import describe
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
@@ -77,11 +77,12 @@ class FreeTask(ArmTask[TrajectoryStart]):
     ) -> QuinticWaypoints:
         """Quintic segments through drawn waypoints of the joints; `start` is one of `STARTS`."""
         waypoints = self.ranges["waypoints"].draw(rng).reshape(-1, 3)
-        times = np.cumsum(self.ranges["interval"].draw(rng))
+        intervals = self.ranges["interval"].draw(rng)
         if goal is not None:
             waypoints[-1] = goal
         check_joint_limits(self.arm, "goal", waypoints[-1])
         if start == "home" or (start == "scenario" and not self.scenario.deterministic):
-            waypoints = np.concatenate([joint_position[None], waypoints])
-            times = np.concatenate([[0.0], times])
+            times, waypoints = path_from(joint_position, waypoints, intervals)
+        else:
+            times = np.cumsum(intervals)
         return QuinticWaypoints(times[None], waypoints[None])

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.arm_task import path_from
 from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import describe
 from prp_gym.envs.contact_task import ContactStart, ContactTask, SurfaceOptions
@@ -107,8 +108,8 @@ class RenderingTask(ContactTask):
 
     def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
         """From the start through the waypoints."""
-        times = np.concatenate([[0.0], np.cumsum(intervals)])
-        return QuinticWaypoints(times[None], np.concatenate([start[None], waypoints])[None])
+        times, positions = path_from(start, waypoints, intervals)
+        return QuinticWaypoints(times[None], positions[None])
 
 
 class StaticRenderingTask(RenderingTask):

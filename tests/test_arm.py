@@ -27,6 +27,7 @@ SINGULAR = np.array(
 # the arguments of every public method, in order, as rows of `arguments_of`
 METHODS: dict[str, tuple[str, ...]] = {
     "forward_kinematics": ("q",),
+    "reach": ("q",),
     "transforms": ("q",),
     "analytical_jacobian": ("q",),
     "geometric_jacobian": ("q",),

@@ -76,6 +76,22 @@ class Kinematics:
         pose[..., 5] = math.pi / 2
         return pose
 
+    def reach(self, joint_position: ArrayLike) -> Array:
+        """L = q_2 + d̄_2 + a_3 C_3, how far the tip lies from joint 1's plane along the slide.
+
+        Args:
+            joint_position: (..., 3) [rad, m, rad].
+
+        Returns:
+            (...) [m].
+
+        Raises:
+            ShapeError: not three components.
+
+        Source: [R] 1.3.
+        """
+        return self._trigonometry(as_vectors(joint_position, "joint_position")).reach
+
     def transforms(self, joint_position: ArrayLike) -> Array:
         """Every Denavit-Hartenberg frame in the world frame.
 

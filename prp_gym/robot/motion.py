@@ -59,12 +59,11 @@ class MotionConversion(InverseKinematics):
         Source: [R] 1.3, for the tip frame.
         """
         x = as_vectors(pose, "pose", 6)
-        geometry = self.parameters.geometry
-        joints = np.empty((*x.shape[:-1], 3))
-        q_1, q_3 = x[..., 3], np.pi / 2 - x[..., 4]
-        reach = x[..., 0] * np.sin(q_1) - x[..., 1] * np.cos(q_1)
-        joints[..., 0], joints[..., 2] = q_1, q_3
-        joints[..., 1] = reach - geometry.slide_offset - geometry.third_link_length * np.cos(q_3)
+        q_1 = x[..., 3]
+        joints = np.zeros((*x.shape[:-1], 3))
+        joints[..., 0], joints[..., 2] = q_1, np.pi / 2 - x[..., 4]
+        along_slide = x[..., 0] * np.sin(q_1) - x[..., 1] * np.cos(q_1)
+        joints[..., 1] = along_slide - self.reach(joints)
         return joints
 
     def joint_motion(
