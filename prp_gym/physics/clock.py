@@ -1,9 +1,9 @@
 """The clock that MuJoCo's Python module makes every simulation step read, and how to do without it.
 
-On import the module installs a C callback, `mjcb_time`, which `mj_step` asks for the time about twenty times a
-step to fill `MjData.timer`. Nothing is simulated with these times: without the callback a step of the arm gives
-the same bits in two thirds of the time. The first world that is built in a process takes the callback away,
-for all of that process, unless the environment variable `PRP_GYM_MUJOCO_CLOCK` is set to 1.
+On import the module installs a C callback, `mjcb_time`, which `mj_step` asks for the time about twenty times
+a step to fill `MjData.timer`. Nothing is simulated with these times: without the callback a step of the arm
+gives the same bits in two thirds of the time. The first world that is built in a process takes the callback
+away, for all of that process, unless the environment variable `PRP_GYM_MUJOCO_CLOCK` is set to 1.
 """
 
 import ctypes
