@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.actuators import make_actuators
 from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
-from prp_gym.envs.info import COMMON_INFO, CONTACT_INFO, InfoField
+from prp_gym.envs.judge import Judge
 from prp_gym.envs.reference_window import ReferenceWindow
 from prp_gym.envs.sensors import make_sensors
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.batch_simulation import PhysicsState
 from prp_gym.robot.arrays import Array, all_true
-from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
@@ -52,14 +51,6 @@ class Step(NamedTuple):
     info: Array
 
 
-def _count(values: NDArray[Any]) -> NDArray[Any] | int:
-    """How many values in each row (N, joints) are not zero; mostly none."""
-    if not np.count_nonzero(values):
-        return 0
-    counts: NDArray[np.intp] = np.count_nonzero(values, axis=1)
-    return counts
-
-
 class LoopState(NamedTuple):
     """All that determines how a loop goes on."""
 
@@ -91,11 +82,8 @@ class EpisodeLoop:
         self.torque_limit = config.limits(nominal)
         self.joints = len(nominal)
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
-        self.reward = Reward(task.numbers.reward, 1.0 / config.control_frequency)
-        terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self.reward.terms]
-        self._touches = "contact_force" in task.layout.names
-        self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._touches else ()))
-        self._force_bound = float(task.numbers.constants.get("force_bound", np.inf))
+        self._judge = Judge(task, self.physics, config.control_frequency)
+        self.info_fields = self._judge.info_fields
         self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
         self._sensors = make_sensors(task.scenario, task.layout, num_envs)
         self.commanded_torque = np.zeros((num_envs, self.joints))
@@ -104,10 +92,9 @@ class EpisodeLoop:
         self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
         self._playable = False
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
-        bounds = [bound for item in task.measured_fields[:2] for bound in item.high]
-        self._bound = np.tile(np.array(bounds), (num_envs, 1))
+        self._bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
+        self.physics.watch(self._bound)
         self._horizon, self._substeps = config.horizon, config.substeps
-        self._frequency = float(config.control_frequency)
         self._space = task.layout.space()
         size, measured = task.layout.size, self.physics.measurement_size
         self._shape = self.truth.shape
@@ -190,13 +177,13 @@ class EpisodeLoop:
             action = np.where(idle[:, None], 0.0, action)
         if not self._playable:
             self._pass_over(np.zeros_like(self._unplayable) if idle is None else idle)
-        saturated: NDArray[Any] | int = 0
+        saturated = None
         inside = np.abs(action) < 1.0
         if not all_true(inside):
             if not np.isfinite(action).all():
                 raise NonFiniteError("action", action.tolist())
             action = np.clip(action, -1.0, 1.0)
-            saturated = _count(~inside)
+            saturated = ~inside
         command = action * self._limit
         self.commanded_torque = command
         self.physics.set_torque(self._actuators.apply(command))
@@ -207,38 +194,22 @@ class EpisodeLoop:
         self.task.advance(truth)
         self.task.complete(truth)
         self.truth = truth
-        return self._judge(command, saturated)
-
-    def _judge(self, command: Array, saturated: NDArray[Any] | int) -> Step:
-        elapsed = self._window.elapsed
-        truth = self.truth
-        contributions = self.reward(self.task.errors(truth, command))
-        terms = contributions.shape[1]
-        info = np.empty((self.num_envs, len(self.info_fields)))
-        info[:, :terms] = contributions
-        info[:, terms] = _count(self.physics.stop_violation)
-        info[:, terms + 1] = saturated
-        info[:, terms + 2] = elapsed / self._frequency
-        if self._touches:
-            force = self.physics.contact_force
-            info[:, terms + 3] = np.sqrt(np.vecdot(force, force))
-            info[:, terms + 4] = info[:, terms + 3] > self._force_bound
-        truncated = elapsed >= self._horizon
+        reward, info = self._judge(truth, command, saturated, self._window.elapsed)
+        truncated = self._window.elapsed >= self._horizon
         terminated = self._diverged()
         if not self._playable:
-            info[terminated, :terms] = 0.0
+            self._judge.forfeit(reward, info, terminated)
             truncated &= ~terminated
-        reward = np.add.reduce(info[:, :terms], axis=1)
         return Step(self._observe(), reward, terminated, truncated, info)
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
-        outside = np.abs(self.truth[:, : 2 * self.joints]) > self._bound
-        if not (np.count_nonzero(outside) or self.physics.any_unstable):
+        if self.physics.calm:
             return np.zeros(self.num_envs, dtype=np.bool_)
+        outside = np.abs(self.truth[:, : 2 * self.joints]) > self._bound
         diverged: NDArray[np.bool_] = np.logical_or.reduce(outside, axis=1) | self.physics.unstable
         self._unplayable |= diverged
-        self._playable = False
+        self._playable = self._playable and not diverged.any()
         return diverged
 
     def _measure(self) -> Array:
@@ -276,7 +247,7 @@ class EpisodeLoop:
     @property
     def time(self) -> Array:
         """(N) since the start of each episode [s]."""
-        seconds: Array = self._window.elapsed / self._frequency
+        seconds: Array = self._window.elapsed / self.config.control_frequency
         return seconds
 
     def get_state(self) -> LoopState:

@@ -29,14 +29,14 @@ class ReferenceWindow:
         self._period = period
         self._length = int(np.clip(_MOST_ROWS // num_envs, 1, min(_MOST_STEPS, horizon + 1)))
         self._everyone = np.arange(num_envs)
-        self._origin = np.zeros(num_envs)  # whole numbers, as floats: so arithmetic on them is fast
+        self._elapsed = np.zeros(num_envs)  # whole numbers, as floats: so arithmetic on them is fast
         self._tick = 0
         self._first = 0
         self._rows = np.zeros((0, num_envs, 0))
 
     def begin(self, ids: NDArray[np.intp], sampler: Sampler) -> None:
         """Start new episodes in some environments (n); the first call covers all of them."""
-        self._origin[ids] = self._tick
+        self._elapsed[ids] = 0.0
         if not self.started or len(ids) == len(self._everyone):
             self._fill(sampler)
         else:
@@ -45,6 +45,7 @@ class ReferenceWindow:
     def advance(self, sampler: Sampler) -> None:
         """Go on by one period."""
         self._tick += 1
+        self._elapsed += 1.0
         if self._tick - self._first >= self._length:
             self._fill(sampler)
 
@@ -55,9 +56,8 @@ class ReferenceWindow:
 
     @property
     def elapsed(self) -> Array:
-        """(N): whole periods since the start of each environment's episode."""
-        count: Array = self._tick - self._origin
-        return count
+        """(N): whole periods since the start of each environment's episode; changes with the next one."""
+        return self._elapsed
 
     @property
     def current(self) -> Array:
@@ -71,6 +71,6 @@ class ReferenceWindow:
 
     def _times(self, ids: NDArray[np.intp]) -> Array:
         """(length, n) times since each environment's start [s]; before the start, 0."""
-        ticks = np.arange(self._first, self._first + self._length)[:, None] - self._origin[ids]
-        times: Array = np.maximum(ticks, 0) * self._period
+        ahead = np.arange(self._first, self._first + self._length) - self._tick
+        times: Array = np.maximum(ahead[:, None] + self._elapsed[ids], 0.0) * self._period
         return times

@@ -16,7 +16,7 @@ from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import MODEL_POSE
 from prp_gym.tasks.scenario import Scenario
-from prp_gym.tasks.target_model import Displacement, TargetModel
+from prp_gym.tasks.target_model import TargetModel
 from prp_gym.tasks.task import TaskNumbers
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
 
@@ -134,24 +134,21 @@ class DynamicRenderingTask(RenderingTask):
 
     def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
         super().__init__(numbers, scenario, options, period)
-        self._displacement = Displacement.zero((0,))
-        self._last_force = np.zeros((0, 6))
+        self._motion = np.zeros((0, 6, 4))  # displacement, its rate, force at a period's begin and end
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[ContactStart]) -> None:
         """See `Task.begin`: the model starts at rest, on the reference."""
         super().begin(ids, starts)
-        if len(self._last_force) == 0:
-            self._displacement = Displacement.zero((len(ids),))
-            self._last_force = np.zeros((len(ids), 6))
-        for part in (*self._displacement, self._last_force):
-            part[ids] = 0.0
+        if len(self._motion) == 0:
+            self._motion = np.zeros((len(ids), 6, 4))
+        self._motion[ids] = 0.0
 
     def advance(self, truth: Array) -> None:
         """See `Task.advance`."""
-        force = self.generalised_force(truth)
-        self._displacement = self.target.advance(self._displacement, self._last_force, force)
+        self._motion[:, :3, 3] = truth[:, self._force]
+        self.target.follow(self._motion)
 
     def complete(self, truth: Array) -> None:
         """See `Task.complete`; the force now, at a start too, begins the next period."""
-        self._last_force = self.generalised_force(truth)
-        self.write_model_pose(truth, self._displacement.value)
+        self._motion[:, :3, 2] = truth[:, self._force]
+        self.write_model_pose(truth, self._motion[..., 0])

@@ -195,7 +195,7 @@ def pressed_loop(environment_id: str, num_envs: int = 3) -> EpisodeLoop:
     """Environments that begin in contact, after 20 steps under their weight."""
     env = environment(environment_id)
     loop = EpisodeLoop(env.task, env.config, num_envs)
-    options = {name: np.array(value) for name, value in PRESSED.items()}
+    options = {name: np.array([value] * num_envs) for name, value in PRESSED.items()}
     loop.reset(np.arange(num_envs), generators(range(num_envs)), options)
     for _ in range(20):
         loop.step(np.zeros((num_envs, 3)))

@@ -61,7 +61,7 @@ def press(environment_id: str, law: str, cases: list[Press], **options: Any) -> 
             "surface_stiffness": np.array(stiffness),
             **asked,
         }
-        known = {name: value for name, value in given.items() if name in env.task.reset_options}
+        known = {name: value[None] for name, value in given.items() if name in env.task.reset_options}
         observation = loop.reset(np.array([row]), rngs[row : row + 1], known)
     state, starts = None, np.ones(len(cases), dtype=np.bool_)
     for _ in range(env.config.horizon):

@@ -74,6 +74,7 @@ class Simulation(ABC):
             raise InvalidValueError("num_simulations", num_simulations, "at least 1")
         self.num_simulations = num_simulations
         self.num_threads = num_threads
+        self._watched = np.full(2 * self.joint_count, np.inf)
         self._build()
 
     @abstractmethod
@@ -107,6 +108,9 @@ class Simulation(ABC):
         self._tip_position: Array = self._sensors[:, layout.tip_position]
         self._contact_force = self._answer(layout.contact_force, 3)
         self._stop_violation = self._answer(layout.stop_violation, self.joint_count)
+        self._threshold = np.full(self._sensors.shape, np.inf)
+        self._threshold[:, layout.stop_violation] = 0.0
+        self._threshold[:, : 2 * self.joint_count] = self._watched
         self._fields = self._make_fields(self._batch)
         stages = mujoco.mjtStage
         in_contact = layout.contact_force != NO_COLUMNS
@@ -169,10 +173,19 @@ class Simulation(ABC):
         flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != 0, axis=1)
         return flags
 
+    def watch(self, bound: Array) -> None:
+        """Set the joint positions and velocities (2n), in magnitude, beyond which nothing is `calm`."""
+        self._watched = bound
+        self._threshold[:, : 2 * self.joint_count] = bound
+
     @property
-    def any_unstable(self) -> bool:
-        """Whether any simulation is `unstable`; faster than asking for each."""
-        return bool(np.count_nonzero(self._warnings))
+    def calm(self) -> bool:
+        """Whether all joints are within their stops and what is watched, and no simulation is `unstable`.
+
+        So it mostly is, and asking is faster than asking for each.
+        """
+        beyond = np.abs(self._sensors) > self._threshold
+        return not (np.count_nonzero(beyond) or np.count_nonzero(self._warnings))
 
     @property
     def stop_violation(self) -> Array:
@@ -250,7 +263,7 @@ class Simulation(ABC):
         return data
 
     def __getstate__(self) -> dict[str, Any]:
-        names = (*self._constructor_attributes, "num_simulations", "num_threads")
+        names = (*self._constructor_attributes, "num_simulations", "num_threads", "_watched")
         return {name: getattr(self, name) for name in names} | {"snapshot": self.snapshot()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:

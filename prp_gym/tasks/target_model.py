@@ -94,11 +94,20 @@ class TargetModel:
             begin: force then (..., 6) [N, N, N, N m, N m, N m].
             end: force at the end of the period (..., 6); the same as `begin` for a force that is held.
         """
-        state = np.empty((*displacement.value.shape, 4, 1))
+        motion = np.empty((*displacement.value.shape, 4))
         for index, part in enumerate((*displacement, begin, end)):
-            state[..., index, 0] = part
-        after: Array = np.matmul(vars(self)["_transition"], state)
-        return Displacement(after[..., 0, 0], after[..., 1, 0])
+            motion[..., index] = part
+        self.follow(motion)
+        return Displacement(motion[..., 0], motion[..., 1])
+
+    def follow(self, motion: Array) -> None:
+        """One period on, in place; `advance` without a copy.
+
+        Args:
+            motion: (..., 6, 4) displacement, its rate, the force at the begin of the period and at its end;
+                the first two become those at the end.
+        """
+        motion[..., :2] = np.vecdot(vars(self)["_transition"], motion[..., None, :])
 
     def _discretise(self) -> Array:
         """What (z, ż, force at the begin, force at the end) make of (z, ż): (6, 2, 4).
