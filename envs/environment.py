@@ -46,7 +46,8 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         self._loop = self.make_loop()
         self._info_names = tuple(field.name for field in self._loop.info_fields)
         self.observation_space = self._loop.task.layout.space()
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (self._loop.joints,), np.float32)
+        self._action_shape = (self._loop.joints,)
+        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, self._action_shape, np.float32)
 
     @classmethod
     def make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
@@ -114,19 +115,13 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
             EpisodeError: before the first `reset`, or after a divergence.
         """
         values = as_numbers("action", action)
-        if values.shape != self.action_space.shape:
-            raise ShapeError("action", values.shape, f"{self.action_space.shape}")
-        step = self._loop.step(values[None])
+        if values.shape != self._action_shape:
+            raise ShapeError("action", values.shape, f"{self._action_shape}")
+        observation, reward, terminated, truncated, numbers = self._loop.step(values[None])
         if self.render_mode == "human":
             self.render()
-        info = dict(zip(self._info_names, step.info[0].tolist(), strict=True))
-        return (
-            step.observation[0],
-            float(step.reward[0]),
-            bool(step.terminated[0]),
-            bool(step.truncated[0]),
-            info,
-        )
+        info = dict(zip(self._info_names, numbers[0].tolist(), strict=True))
+        return observation[0], reward.item(), terminated.item(), truncated.item(), info
 
     def render(self) -> NDArray[Any] | None:
         """Draw the arm, the goal, the reference path, the surface and the contact force.

@@ -37,8 +37,9 @@ class Judge:
         terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self._reward.terms]
         self._touches = "contact_force" in task.layout.names
         self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._touches else ()))
-        self._force_bound = float(task.numbers.constants.get("force_bound", np.inf))
-        self._frequency = frequency
+        bound = float(task.numbers.constants.get("force_bound", np.inf))
+        self._force_bound = np.full(num_envs, bound)
+        self._frequency = np.full(num_envs, frequency)
         self._shape, self._ones = (num_envs, len(self.info_fields)), np.ones((num_envs, len(terms)))
         self._terms = np.s_[:, : len(terms)]
         names = [field.name for field in self.info_fields]
@@ -46,7 +47,7 @@ class Judge:
         self._time = self._column["time"]
 
     def __call__(
-        self, truth: Array, command: Array, saturated: NDArray[np.bool_] | None, elapsed: Array
+        self, truth: Array, command: Array, saturated: NDArray[np.bool_] | None, elapsed: Array, calm: bool
     ) -> tuple[Array, Array]:
         """Judge a step.
 
@@ -55,6 +56,7 @@ class Judge:
             command: commanded torques (N, joints) [N m, N, N m].
             saturated: (N, joints) which actions are at or beyond the actuator limits; None for none.
             elapsed: (N) periods since each episode began.
+            calm: whether no joint is beyond its stop.
 
         Returns:
             reward (N) [s] and `info` (N, fields).
@@ -65,7 +67,7 @@ class Judge:
         np.divide(elapsed, self._frequency, out=info[self._time])
         if saturated is not None:
             info[self._column["cost_saturation"]] = count(saturated)
-        if not self._physics.calm:
+        if not calm:
             info[self._column["cost_joint_stop"]] = count(self._physics.stop_violation)
         if self._touches:
             self._judge_contact(info)

@@ -94,7 +94,8 @@ class EpisodeLoop:
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
         self._bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
         self.physics.watch(self._bound)
-        self._horizon, self._substeps = config.horizon, config.substeps
+        self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
+        self._substeps = config.substeps
         self._space = task.layout.space()
         size, measured = task.layout.size, self.physics.measurement_size
         self._shape = self.truth.shape
@@ -178,7 +179,7 @@ class EpisodeLoop:
         if not self._playable:
             self._pass_over(np.zeros_like(self._unplayable) if idle is None else idle)
         saturated = None
-        inside = np.abs(action) < 1.0
+        inside = np.abs(action) < self._full
         if not all_true(inside):
             if not np.isfinite(action).all():
                 raise NonFiniteError("action", action.tolist())
@@ -194,9 +195,10 @@ class EpisodeLoop:
         self.task.advance(truth)
         self.task.complete(truth)
         self.truth = truth
-        reward, info = self._judge(truth, command, saturated, self._window.elapsed)
-        truncated = self._window.elapsed >= self._horizon
-        terminated = self._diverged()
+        elapsed, calm = self._window.elapsed, self.physics.calm
+        reward, info = self._judge(truth, command, saturated, elapsed, calm)
+        truncated = elapsed >= self._horizon
+        terminated = np.zeros(self.num_envs, dtype=np.bool_) if calm else self._diverged()
         if not self._playable:
             self._judge.forfeit(reward, info, terminated)
             truncated &= ~terminated
@@ -204,8 +206,6 @@ class EpisodeLoop:
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
-        if self.physics.calm:
-            return np.zeros(self.num_envs, dtype=np.bool_)
         outside = np.abs(self.truth[:, : 2 * self.joints]) > self._bound
         diverged: NDArray[np.bool_] = np.logical_or.reduce(outside, axis=1) | self.physics.unstable
         self._unplayable |= diverged

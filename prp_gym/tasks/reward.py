@@ -61,6 +61,14 @@ class Reward:
         self._per_scale = np.zeros((len(terms), width))
         for row, term in zip(self._per_scale, terms, strict=True):
             row[: len(term.scale)] = 1.0 / np.array(term.scale)
+        self._shape_up((1, len(terms), width))
+
+    def _shape_up(self, shape: tuple[int, ...]) -> None:
+        """Bring the numbers to the shape of errors: on small arrays broadcasting costs more than arithmetic."""
+        self._shape = shape
+        self._factor = np.broadcast_to(self._per_scale, shape).copy()
+        self._numerator = np.broadcast_to(self._worth, shape[:-1]).copy()
+        self._one = np.ones(shape[:-1])
 
     def __call__(self, errors: Array) -> Array:
         """What each term contributes to a step's reward.
@@ -72,8 +80,10 @@ class Reward:
         Returns:
             (..., terms) [s]; their sum is the reward.
         """
-        scaled = errors * self._per_scale
+        if errors.shape != self._shape:
+            self._shape_up(errors.shape)
+        scaled = errors * self._factor
         denominator: Array = np.sqrt(np.vecdot(scaled, scaled))
-        denominator += 1.0
-        contributions: Array = np.divide(self._worth, denominator, out=denominator)
+        denominator += self._one
+        contributions: Array = np.divide(self._numerator, denominator, out=denominator)
         return contributions
