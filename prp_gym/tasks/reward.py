@@ -64,7 +64,7 @@ class Reward:
         self._shape_up((1, len(terms), width))
 
     def _shape_up(self, shape: tuple[int, ...]) -> None:
-        """Bring the numbers to the shape of errors: on small arrays broadcasting is slower than arithmetic."""
+        """Bring the numbers to the shape of errors: on small arrays broadcasting costs more than sums do."""
         self._shape = shape
         self._factor = np.broadcast_to(self._per_scale, shape).copy()
         self._numerator = np.broadcast_to(self._worth, shape[:-1]).copy()
