@@ -49,9 +49,12 @@ def test_record_of_other_settings_is_not_reused(tmp_path: Path, change: dict[str
     assert finished.find([replace(PAIR, **change)]) == ({}, [only_file(tmp_path)])
 
 
-@pytest.mark.parametrize("name", ["environment_id", "scenario", "law"])
-def test_file_under_another_pairs_name_is_not_reused(tmp_path: Path, name: str) -> None:
-    finished, stranger = FinishedPairs(tmp_path), replace(PAIR, **{name: "other"})
+STRANGERS = [OTHER, replace(PAIR, scenario="report"), replace(PAIR, environment_id="PRP-Adaptive-v0")]
+
+
+@pytest.mark.parametrize("stranger", STRANGERS, ids=str)
+def test_file_under_another_pairs_name_is_not_reused(tmp_path: Path, stranger: Pair) -> None:
+    finished = FinishedPairs(tmp_path)
     finished.keep(stranger, RECORD)
     path = only_file(tmp_path).rename(tmp_path / f"{PAIR.name}.json")
     assert finished.find([PAIR]) == ({}, [path])

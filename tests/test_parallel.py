@@ -14,7 +14,7 @@ from prp_gym import parallel
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError, UnreachableError
 from prp_gym.parallel import Workers
 
-HOW = [Workers(1), Workers(2), Workers(0)]
+HOW = [Workers(1), Workers(2)]
 needs_ray = pytest.mark.skipif(find_spec("ray") is None, reason="the extra `ray` is not installed")
 
 
@@ -40,7 +40,7 @@ def wait_for(file: Path) -> Path:
     raise TimeoutError(file)
 
 
-@pytest.mark.parametrize("workers", HOW, ids=str)
+@pytest.mark.parametrize("workers", [*HOW, Workers(0)], ids=str)
 def test_every_item_is_done_once_and_known_by_its_index(workers: Workers) -> None:
     items = [0.1 * index for index in range(9)]
     done = list(workers.run(square, items))
@@ -57,7 +57,8 @@ def test_one_job_is_done_in_this_process(workers: Workers, items: int) -> None:
     assert {own for _, (own, _) in workers.run(process, range(items))} == {os.getpid()}
 
 
-def test_processes_have_one_thread_and_are_gone_in_the_end() -> None:
+def test_processes_have_one_thread_and_are_gone_in_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("OMP_NUM_THREADS", "5")
     found = [result for _, result in Workers(2).run(process, range(30))]
     others = {own for own, _ in found}
     assert len(others - {os.getpid()}) == 2
@@ -85,7 +86,7 @@ def test_error_of_a_worker_arrives_as_it_was_raised(workers: Workers) -> None:
 
 
 def test_backend_that_does_not_exist_is_refused() -> None:
-    with pytest.raises(UnknownNameError, match="unknown backend 'lokky'. Did you mean 'loky'"):
+    with pytest.raises(UnknownNameError, match=r"unknown backend 'lokky'\. Did you mean 'loky'"):
         Workers(2, "lokky")
 
 
@@ -120,9 +121,8 @@ del os.environ["RAY_ADDRESS"]
 
 import ray
 ray.init(address="local", num_cpus=2, include_dashboard=False, log_to_driver=False, logging_level="ERROR")
-for jobs in (0, 2):
-    items = [0.1 * index for index in range(9)]
-    assert sorted(Workers(jobs, "ray").run(square, items)) == list(enumerate(x * x for x in items))
+items = [0.1 * index for index in range(9)]
+assert sorted(Workers(0, "ray").run(square, items)) == list(enumerate(x * x for x in items))
 for jobs, kind, function in ((2, UnreachableError, refuse), (3, InvalidValueError, square)):
     try:
         list(Workers(jobs, "ray").run(function, [0.25, 0.25, 0.25]))

@@ -43,7 +43,7 @@ class Row:
         return cls(
             baseline=record["baseline"],
             episodes=len(record["seeds"]),
-            score=Estimate(**record["score"]),
+            score=Estimate(*to_array([record["score"][name] for name in Estimate._fields]).tolist()),
             median={name: to_array(values) for name, values in record["median"].items()},
             compute_time=record["compute_time_per_step"],
         )
