@@ -48,8 +48,8 @@ def pairs_of(content: dict[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def run_evaluate(folder: Path, *options: str) -> str:
-    """Standard output of a short evaluation."""
-    result = RUNNER.invoke(app, ["evaluate", "--output", str(folder), *options])
+    """Standard output of a short evaluation in this process."""
+    result = RUNNER.invoke(app, ["evaluate", "--jobs", "1", "--output", str(folder), *options])
     assert result.exit_code == 0, result.output
     return result.stdout
 
@@ -106,7 +106,7 @@ def test_evaluate_writes_what_the_evaluator_finds(tmp_path: Path, scenario: str)
 
 def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     options = ["evaluate", "--env", list_envs()[0], "--scenario", "report", "--episodes", "1"]
-    options += ["--output", str(tmp_path / "a b")]
+    options += ["--jobs", "1", "--output", str(tmp_path / "a b")]
     monkeypatch.setattr(sys, "argv", ["/somewhere/prp-gym", *options])
     with pytest.raises(SystemExit) as caught:
         main()
@@ -161,6 +161,7 @@ WRONG_NAMES = [
     ("--baseline", "joint_pdd", "unknown baseline", list(BASELINES)),
     ("--scenario", "reprot", "unknown scenario", list(SCENARIOS)),
     ("--gains", "tunde", "unknown gain set", COMMON_SETS),
+    ("--backend", "lokky", "unknown backend", ["loky", "ray"]),
 ]
 
 
@@ -188,6 +189,7 @@ def test_wrong_name_is_refused_with_the_valid_ones(
         ("--episodes", "-1", "error: episodes is -1; allowed: a whole number, at least 1."),
         ("--episodes", "0", "error: episodes is 0; allowed: a whole number, at least 1."),
         ("--seed", "-3", "error: seed is -3; allowed: a whole number, at least 0."),
+        ("--jobs", "-1", "error: jobs is -1; allowed: at least 1, or 0 for as many as there are cores."),
     ],
 )
 def test_number_that_is_not_allowed_is_refused(
@@ -258,7 +260,18 @@ def test_list_tells_which_law_runs_where_and_why_not() -> None:
 def test_help_names_every_command_and_option() -> None:
     assert all(name in RUNNER.invoke(app, ["--help"]).output for name in ("evaluate", "list"))
     text = plain(RUNNER.invoke(app, ["evaluate", "--help"]).output)
-    options = ("--env", "--baseline", "--scenario", "--episodes", "--seed", "--gains", "--output")
+    options = (
+        "--env",
+        "--baseline",
+        "--scenario",
+        "--episodes",
+        "--seed",
+        "--gains",
+        "--output",
+        "--jobs",
+        "--backend",
+        "--fresh",
+    )
     assert [option for option in options if option not in text] == []
 
 

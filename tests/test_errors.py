@@ -12,6 +12,7 @@ from prp_gym.errors import (
     InvalidValueError,
     JointLimitError,
     MissingFieldError,
+    MissingPackageError,
     NonFiniteError,
     OutputError,
     PRPError,
@@ -33,6 +34,7 @@ WITH_FACTS = [
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     OutputError("results", "read-only file system"),
+    MissingPackageError("ray", "ray"),
 ]
 WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")]
 EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
@@ -58,9 +60,8 @@ def test_examples_cover_every_class_of_the_module() -> None:
 @pytest.mark.parametrize("error", EXAMPLES, ids=class_name)
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
-    assert isinstance(
-        error, RuntimeError if isinstance(error, EpisodeError | OutputError | RenderingError) else ValueError
-    )
+    of_a_state = EpisodeError | MissingPackageError | OutputError | RenderingError
+    assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 
 
 @pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)

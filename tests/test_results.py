@@ -21,7 +21,14 @@ from prp_gym import list_envs
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.errors import OutputError
 from prp_gym.evaluation import METRICS, evaluate
-from prp_gym.evaluation.results import SCHEMA, describe_evaluation, describe_run, to_plain, write_json
+from prp_gym.evaluation.results import (
+    SCHEMA,
+    describe_evaluation,
+    describe_run,
+    to_array,
+    to_plain,
+    write_json,
+)
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
 NUMBERS = st.floats() | st.integers() | st.booleans() | st.none() | st.text(max_size=5)
@@ -103,6 +110,21 @@ def test_plain_values_survive_strict_json(value: Any) -> None:
     plain = to_plain(value)
     assert strict(json.dumps(plain, allow_nan=False)) == plain
     assert to_plain(plain) == plain
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.array([1.5, math.nan, math.inf, -math.inf, -0.0, 5e-324, 1 / 3]),
+        np.array([[0.1, math.nan], [math.inf, 2.0]]),
+        np.full((2, 1), math.nan),
+        np.zeros(0),
+    ],
+)
+def test_numbers_read_back_are_those_written(values: Any) -> None:
+    back = to_array(strict(json.dumps(to_plain(values), allow_nan=False)))
+    assert back.dtype == values.dtype
+    assert back.tobytes() == values.tobytes()  # to the last bit, signs of zero included
 
 
 def test_file_holds_the_content(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The table for the terminal: what a cell says, and that 120 columns hold all of it for every task."""
 
+import json
 from functools import cached_property
 from io import StringIO
 from typing import Any
@@ -12,6 +13,7 @@ from rich.console import Console
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, list_baselines, make_baseline
 from prp_gym.evaluation import METRICS, Evaluation, Rollout, evaluate
+from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.table import COLUMNS, Row, evaluation_table
 from tests.made_up_episodes import Array, make_rollout
 
@@ -66,8 +68,13 @@ def episode(seed: int = 0, fields: dict[str, Array] = KINDS["joint"], **changes:
     return make_rollout(fields, count, duration=0.02, compute_time=np.full(2, 42e-6), **content)
 
 
+def row_of(law: str, evaluation: Evaluation) -> Row:
+    """A row that has been a file's text."""
+    return Row.of(json.loads(json.dumps(to_plain(describe_evaluation(evaluation, law, {})), allow_nan=False)))
+
+
 def row(law: str = LONGEST_LAW, **changes: Any) -> Row:
-    return Row(law, Evaluation([episode(seed, **changes) for seed in range(3)], 0))
+    return row_of(law, Evaluation([episode(seed, **changes) for seed in range(3)], 0))
 
 
 def split(*rows: Row) -> tuple[list[str], list[str]]:
@@ -148,7 +155,7 @@ def test_errors_are_shown_in_thousandths_as_far_as_they_matter(value: float, sho
 @pytest.mark.parametrize(("time", "shown"), [(3e-7, "0"), (7.6e-6, "8"), (1.2e-3, "1200"), (0.7, "7e5")])
 def test_time_of_a_law_is_shown_in_whole_microseconds(time: float, shown: str) -> None:
     fast = make_rollout(joints(), duration=0.02, compute_time=np.full(2, time))
-    (line,) = body(Row("law", Evaluation([fast], 0)))
+    (line,) = body(row_of("law", Evaluation([fast], 0)))
     assert line.split()[-1] == shown
 
 
@@ -191,8 +198,28 @@ def test_scale_of_a_column_leads_from_the_metrics_units_to_the_shown_ones(column
 
 
 def test_single_episode_has_no_interval() -> None:
-    (line,) = body(Row("law", Evaluation([episode()], 0)))
+    (line,) = body(row_of("law", Evaluation([episode()], 0)))
     assert "1 episode" in line
+
+
+def direct(law: str, evaluation: Evaluation) -> Row:
+    """A row whose numbers were never written."""
+    count = len(evaluation.rollouts)
+    return Row(law, count, evaluation.score, evaluation.median, evaluation.compute_time)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_table_of_records_read_back_is_that_of_the_evaluations(kind: str) -> None:
+    evaluations = {
+        "lame": Evaluation([episode(seed, KINDS[kind], diverged=True) for seed in range(3)], 0),
+        "fast": Evaluation([episode(seed, KINDS[kind]) for seed in range(3)], 0),
+        "once": Evaluation([episode(fields=KINDS[kind], reward=np.full(2, 1 / 300))], 0),
+    }
+    medians = np.concatenate([value for own in evaluations.values() for value in own.median.values()])
+    assert np.isnan(medians).any()
+    assert np.isinf(medians).any() or kind not in ("pose", "force")
+    shown = render("title", *(direct(*item) for item in evaluations.items()))
+    assert render("title", *(row_of(*item) for item in evaluations.items())) == shown
 
 
 def test_best_score_comes_first() -> None:
@@ -236,7 +263,7 @@ class Widest(Evaluation):
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_cut_off_at_120_columns(kind: str) -> None:
     episodes = [episode(seed, KINDS[kind]) for seed in range(3)]
-    lines = render("title", Row(LONGEST_LAW, Widest(episodes, 0)), row("other", fields=KINDS[kind]))
+    lines = render("title", row_of(LONGEST_LAW, Widest(episodes, 0)), row("other", fields=KINDS[kind]))
     assert max(len(line.rstrip()) for line in lines) <= WIDTH
     assert not any("…" in line for line in lines)
     (widest,) = (line.split() for line in lines if LONGEST_LAW in line)
@@ -255,7 +282,7 @@ def test_no_law_has_a_longer_name_than_the_table_was_tried_with() -> None:
 def test_table_of_real_evaluations_is_whole(environment_id: str, scenario: str) -> None:
     env = gymnasium.make(environment_id, scenario=scenario, duration=0.4)
     laws = list_baselines(env.get_wrapper_attr("observation_layout"))
-    rows = [Row(law, evaluate(make_baseline(law, env), env, episodes=2)) for law in laws]
+    rows = [row_of(law, evaluate(make_baseline(law, env), env, episodes=2)) for law in laws]
     env.close()
     lines = render(f"{environment_id}, scenario {scenario}", *rows)
     assert not any("…" in line for line in lines)

@@ -5,7 +5,7 @@ import math
 import os
 import platform
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +16,7 @@ import numpy as np
 from prp_gym.errors import OutputError
 from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.evaluation.metrics import METRICS
+from prp_gym.robot.arrays import Array
 
 SCHEMA = 1
 _PACKAGES = ("prp-gym", "gymnasium", "mujoco", "numpy")
@@ -38,12 +39,22 @@ def to_plain(value: Any) -> Any:
     return value
 
 
+def to_array(plain: Sequence[Any]) -> Array:
+    """Numbers as `to_plain` leaves them, or nested lists of such, as an array again."""
+    return np.array(plain, dtype=np.float64)  # numpy reads None as NaN and "inf" as infinity
+
+
+def list_versions() -> dict[str, str]:
+    """Versions of Python and of the packages that a result depends on."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+
+
 def describe_run(command: str) -> dict[str, Any]:
     """What a result depends on beside its settings: versions, machine, command."""
     return {
         "schema": SCHEMA,
         "command": command,
-        "versions": {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES},
+        "versions": list_versions(),
         "machine": {"system": platform.system(), "architecture": platform.machine(), "cores": os.cpu_count()},
         "units": {metric.name: metric.units for metric in METRICS},
     }

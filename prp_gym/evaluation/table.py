@@ -1,14 +1,15 @@
 """Evaluations as a table for the terminal."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, Self
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from prp_gym.evaluation.evaluate import Evaluation
+from prp_gym.evaluation.results import to_array
+from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
@@ -18,11 +19,34 @@ _WHOLE_FROM = 10.0
 _POWER_OF_TEN_FROM = 9999.5  # rounds to five digits
 
 
-class Row(NamedTuple):
-    """One line of the table."""
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One line of the table.
+
+    Attributes:
+        baseline: the law.
+        episodes: how many.
+        score: over the episodes.
+        median: over the episodes of every metric, (components).
+        compute_time: of an action [s].
+    """
 
     baseline: str
-    evaluation: Evaluation
+    episodes: int
+    score: Estimate
+    median: Mapping[str, Array]
+    compute_time: float
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Self:
+        """From an evaluation as the results file holds it."""
+        return cls(
+            baseline=record["baseline"],
+            episodes=len(record["seeds"]),
+            score=Estimate(*to_array([record["score"][name] for name in Estimate._fields]).tolist()),
+            median={name: to_array(values) for name, values in record["median"].items()},
+            compute_time=record["compute_time_per_step"],
+        )
 
 
 @dataclass(frozen=True)
@@ -45,18 +69,18 @@ class Column:
 
     def belongs(self, rows: Sequence[Row]) -> bool:
         """Whether the rows' environment has the metric, and none that says more."""
-        names = {name for row in rows for name in row.evaluation.median}
+        names = {name for row in rows for name in row.median}
         return self.metric in names and self.unless not in names
 
     def header(self, rows: Sequence[Row]) -> str:
         """Title and units, those of as many components as the rows have."""
-        medians = (row.evaluation.median for row in rows)
+        medians = (row.median for row in rows)
         count = max(len(median[self.metric]) for median in medians if self.metric in median)
         return f"{self.title}\n{' '.join(self.units[:count])}"
 
     def cell(self, row: Row) -> str:
         """The median of one row."""
-        values = row.evaluation.median.get(self.metric)
+        values = row.median.get(self.metric)
         return _ABSENT if values is None else _vector(self.scale * values)
 
 
@@ -103,20 +127,16 @@ def evaluation_table(title: str, rows: Sequence[Row]) -> Table:
     table.add_column("law", no_wrap=True, vertical="bottom")
     for header in ("score", "95 %\ninterval", *(column.header(rows) for column in columns), "law\nµs"):
         table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
-    for row in sorted(rows, key=lambda row: -row.evaluation.score.value):
+    for row in sorted(rows, key=lambda row: -row.score.value):
         cells = [column.cell(row) for column in columns]
-        table.add_row(row.baseline, *_score(row.evaluation), *cells, _compute_time(row.evaluation))
+        table.add_row(row.baseline, *_score(row), *cells, _number(round(1e6 * row.compute_time)))
     return table
 
 
-def _score(evaluation: Evaluation) -> tuple[str, str]:
-    score = evaluation.score
-    interval = f"{score.low:.3f}-{score.high:.3f}" if len(evaluation.rollouts) > 1 else "1 episode"
+def _score(row: Row) -> tuple[str, str]:
+    score = row.score
+    interval = f"{score.low:.3f}-{score.high:.3f}" if row.episodes > 1 else "1 episode"
     return f"{score.value:.3f}", interval
-
-
-def _compute_time(evaluation: Evaluation) -> str:
-    return _number(round(1e6 * evaluation.compute_time))
 
 
 def _vector(values: Array) -> str:

@@ -1,0 +1,151 @@
+"""The command `prp-gym evaluate`."""
+
+import itertools
+import shlex
+import sys
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from prp_gym.baselines import BASELINES
+from prp_gym.baselines.gains import gain_sets
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.evaluation.evaluate import check_protocol
+from prp_gym.evaluation.results import describe_run, prepare_folder, write_json
+from prp_gym.evaluation.table import Row, evaluation_table
+from prp_gym.finished_pairs import FinishedPairs
+from prp_gym.pairs import Pair, Record, list_pairs, play_pair
+from prp_gym.parallel import Workers
+from prp_gym.registration import list_envs
+from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.terminal import TABLE_WIDTH, make_console, make_matrix, make_progress
+
+_DEFAULT_SCENARIOS = ("report", "randomized")
+
+
+def evaluate_command(
+    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")] = None,
+    baseline: Annotated[list[str] | None, typer.Option(help="Law; repeatable. Default: all.")] = None,
+    scenario: Annotated[
+        list[str] | None, typer.Option(help="Scenario; repeatable. Default: report and randomized.")
+    ] = None,
+    episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 20,
+    seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    gains: Annotated[str, typer.Option(help="Gain set of the laws.")] = "tuned",
+    control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
+    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
+    jobs: Annotated[
+        int, typer.Option(help="Pairs at once; 1: in this process, 0: as many as there are cores.")
+    ] = 0,
+    backend: Annotated[
+        str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
+    ] = "loky",
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Play also what an interrupted run has finished.")
+    ] = False,
+) -> None:
+    """Evaluate classical baselines and print a table.
+
+    A run that was interrupted goes on where it stopped when the same command is given again.
+    """
+    workers = Workers(jobs, backend)
+    ids = _check_names("environment", env or [], list_envs())
+    laws = _check_names("baseline", baseline or [], _laws_with(gains))
+    scenarios = _check_names("scenario", scenario or list(_DEFAULT_SCENARIOS), list(SCENARIOS))
+    check_protocol(episodes, seed)
+    pairs = list_pairs(itertools.product(ids, scenarios), laws, gains, control_frequency, episodes, seed)
+    _check_used(baseline or [], pairs)
+    finished = FinishedPairs(output / "pairs")
+    for folder in (output, output / "pairs"):
+        prepare_folder(folder)
+    if fresh:
+        finished.remove(pairs)
+    records = _evaluate(pairs, workers, finished)
+    target = output / "results.json"
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    write_json(target, {**describe_run(command), "evaluations": records})
+    finished.remove(pairs)
+    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+    for table in (*_tables(records), *_scores(records)):
+        console.print(table)
+    console.print(
+        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
+    )
+    console.print(f"results: {target}", highlight=False)
+
+
+def _laws_with(gains: str) -> list[str]:
+    """The laws that have a gain set."""
+    laws = [name for name in BASELINES if gains in gain_sets(name)]
+    if not laws:
+        raise UnknownNameError("gain set", gains, {item for name in BASELINES for item in gain_sets(name)})
+    return laws
+
+
+def _check_names(kind: str, names: list[str], valid: list[str]) -> list[str]:
+    for name in names:
+        if name not in valid:
+            raise UnknownNameError(kind, name, valid)
+    return list(dict.fromkeys(names)) or valid
+
+
+def _check_used(laws: list[str], pairs: list[Pair]) -> None:
+    """Refuse a law that was asked for by name and runs on none of the environments."""
+    used = {pair.law for pair in pairs}
+    for law in laws:
+        if law not in used:
+            raise InvalidValueError(
+                "baseline", law, f"a law that runs on the chosen environments: {sorted(used)}"
+            )
+
+
+def _evaluate(pairs: list[Pair], workers: Workers, finished: FinishedPairs) -> list[Record]:
+    """The records of all pairs in their order; those that are not there yet are played and kept."""
+    records, refused = finished.find(pairs)
+    if records or refused:
+        note = f"{len(records)} of {len(pairs)} pairs were finished by an interrupted run and are reused."
+        if refused:
+            note += f" Not reused, as damaged or of other settings or code: {len(refused)}."
+        make_console(stderr=True).print(note, highlight=False)
+    # the long ones first, so that no worker is left alone with one in the end
+    missing = sorted((pair for pair in pairs if pair not in records), key=lambda pair: -pair.episodes)
+    with make_progress() as progress:
+        total = sum(pair.episodes for pair in pairs)
+        bar = progress.add_task("evaluating", total=total, completed=sum(pair.episodes for pair in records))
+        with closing(workers.run(play_pair, missing)) as played:
+            for index, record in played:
+                finished.keep(missing[index], record)
+                records[missing[index]] = record
+                progress.advance(bar, missing[index].episodes)
+    return [records[pair] for pair in pairs]
+
+
+def _tables(records: list[Record]) -> Iterator[Table]:
+    """A table a place, in the order of the records."""
+    for (environment_id, scenario), own in itertools.groupby(
+        records, lambda record: (record["environment"], record["scenario"])
+    ):
+        yield evaluation_table(f"{environment_id}, scenario {scenario}", [Row.of(record) for record in own])
+
+
+def _scores(records: list[Record]) -> list[Table]:
+    """The scores alone, a table a scenario; none where there is one environment only."""
+    laws = list(dict.fromkeys(record["baseline"] for record in records))
+    scores = {(r["scenario"], r["environment"], r["baseline"]): r["score"]["value"] for r in records}
+    ids = list(dict.fromkeys(record["environment"] for record in records))
+    if len(ids) == 1:
+        return []
+    tables = []
+    for scenario in dict.fromkeys(record["scenario"] for record in records):
+        rows = []
+        for environment_id in ids:
+            own = [scores.get((scenario, environment_id, law)) for law in laws]
+            best = max(value for value in own if value is not None)
+            cells = ["-" if v is None else f"{v:.3f}" + ("*" if v == best else " ") for v in own]
+            rows.append((environment_id, cells))
+        tables.append(make_matrix(f"score, scenario {scenario} (* best)", laws, rows))
+    return tables

@@ -1,0 +1,131 @@
+"""One function on many items: in this process, in several, or on a Ray cluster."""
+
+import os
+import socket
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any, TypeVar
+
+import joblib
+from joblib.externals.loky import get_reusable_executor
+
+from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
+
+_PATIENCE = 10  # s, of whoever waits for an answer or for more work
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Who does the work.
+
+    Attributes:
+        jobs: how many items at once; 1 is this process alone, whatever the backend, and 0 as many as there
+            are cores, on a cluster the cluster's.
+        backend: one of `BACKENDS`.
+    """
+
+    jobs: int = 0
+    backend: str = "loky"
+
+    def __post_init__(self) -> None:
+        if self.backend not in BACKENDS:
+            raise UnknownNameError("backend", self.backend, BACKENDS)
+        if self.jobs < 0:
+            raise InvalidValueError("jobs", self.jobs, "at least 1, or 0 for as many as there are cores")
+        if self.backend == "ray" and find_spec("ray") is None:
+            raise MissingPackageError("ray", "ray")
+
+    def run(
+        self, function: Callable[[Item], Result], items: Sequence[Item]
+    ) -> Generator[tuple[int, Result], None, None]:
+        """Apply a function to every item.
+
+        Args:
+            function: of a module, so that it can be pickled, as items and results must be, too.
+            items: begun in this order.
+
+        Returns:
+            each item's index with its result, as they are finished.
+
+        Raises:
+            InvalidValueError: more jobs than a cluster has CPUs, or a cluster that does not answer.
+            Exception: what the function raises; what was not finished by then is given up.
+        """
+        if self.jobs == 1 or len(items) <= 1:
+            yield from ((index, function(item)) for index, item in enumerate(items))
+            return
+        with BACKENDS[self.backend](self.jobs, len(items)) as parallel:
+            yield from parallel(
+                joblib.delayed(_numbered)(function, index, item) for index, item in enumerate(items)
+            )
+
+
+def _numbered(function: Callable[[Item], Result], index: int, item: Item) -> tuple[int, Result]:
+    return index, function(item)
+
+
+def _parallel(jobs: int, **options: Any) -> Any:
+    """Joblib's pool, which hands over each result as soon as there is one."""
+    return joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, **options)
+
+
+@contextmanager
+def _processes(jobs: int, items: int) -> Iterator[Any]:
+    """Processes of this machine, each with one thread for linear algebra."""
+    count = min(jobs or joblib.cpu_count(), items)
+    with joblib.parallel_config("loky", inner_max_num_threads=1):
+        parallel = _parallel(count, idle_worker_timeout=_PATIENCE)  # they also outlive a kill no longer
+    try:
+        yield parallel
+    finally:
+        get_reusable_executor().shutdown(wait=True)
+
+
+@contextmanager
+def _cluster(jobs: int, items: int) -> Iterator[Any]:
+    """Workers of the Ray cluster at RAY_ADDRESS, or of one that lives as long as the work does."""
+    import ray
+    from ray.util.joblib.ray_backend import RayBackend
+
+    started = not ray.is_initialized()
+    if started:
+        _connect(ray, min(jobs or joblib.cpu_count(), items))
+    try:
+        there = int(ray.cluster_resources().get("CPU", 0))
+        if jobs > there:
+            raise InvalidValueError("jobs", jobs, f"at most {there}, the CPUs of the Ray cluster")
+        backend = RayBackend()
+        backend.supports_return_generator = True  # joblib asks; results come through callbacks, one by one
+        yield _parallel(min(jobs or there, items), backend=backend)
+    finally:
+        if started:
+            ray.shutdown()
+
+
+def _connect(ray: Any, cpus: int) -> None:
+    """Join the cluster at RAY_ADDRESS, or start one that is as large as needed and keeps to itself."""
+    quiet = {"log_to_driver": False, "logging_level": "ERROR"}
+    address = os.environ.get("RAY_ADDRESS", "")
+    if not address:
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        ray.init(address="local", num_cpus=cpus, include_dashboard=False, **quiet)
+        return
+    try:
+        host, _, port = address.removeprefix("ray://").rpartition(":")
+        if port.isdecimal():
+            socket.create_connection((host, int(port)), _PATIENCE).close()  # Ray itself would try for minutes
+        ray.init(address=address, **quiet)
+    except (OSError, ValueError) as error:
+        raise InvalidValueError("RAY_ADDRESS", address, "the address of a running Ray cluster") from error
+
+
+BACKENDS: dict[str, Callable[[int, int], AbstractContextManager[Any]]] = {
+    "loky": _processes,
+    "ray": _cluster,
+}
+"""By name, how to open a pool for so many jobs at most and so many items."""
