@@ -125,3 +125,12 @@ class OutputError(PRPError, RuntimeError):
 
 class RenderingError(PRPError, RuntimeError):
     """A picture that cannot be drawn on this machine or in this mode."""
+
+
+class MissingPackageError(PRPError, RuntimeError):
+    """A package that is needed for what was asked for, and is not installed."""
+
+    def __init__(self, package: str, extra: str) -> None:
+        self.package = package
+        self.extra = extra
+        super().__init__(f"{package} is not installed; install it with: pip install 'prp-gym[{extra}]'")

@@ -12,6 +12,7 @@ from prp_gym.errors import (
     InvalidValueError,
     JointLimitError,
     MissingFieldError,
+    MissingPackageError,
     NonFiniteError,
     OutputError,
     PRPError,
@@ -33,6 +34,7 @@ WITH_FACTS = [
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     OutputError("results", "read-only file system"),
+    MissingPackageError("stable_baselines3", "agents"),
 ]
 WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")]
 EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
@@ -58,9 +60,8 @@ def test_examples_cover_every_class_of_the_module() -> None:
 @pytest.mark.parametrize("error", EXAMPLES, ids=class_name)
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
-    assert isinstance(
-        error, RuntimeError if isinstance(error, EpisodeError | OutputError | RenderingError) else ValueError
-    )
+    about_a_state = EpisodeError | MissingPackageError | OutputError | RenderingError
+    assert isinstance(error, RuntimeError if isinstance(error, about_a_state) else ValueError)
 
 
 @pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)
@@ -136,6 +137,12 @@ def test_missing_field_shows_law_missing_and_given_fields() -> None:
     assert str(error) == (
         "law 'impedance' reads observation fields that this environment does not give: contact_force."
         " Fields given: joint_position."
+    )
+
+
+def test_missing_package_shows_the_command_that_installs_it() -> None:
+    assert str(MissingPackageError("stable_baselines3", "agents")) == (
+        "stable_baselines3 is not installed; install it with: pip install 'prp-gym[agents]'"
     )
 
 
