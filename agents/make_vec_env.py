@@ -73,6 +73,9 @@ def _require_stable_baselines() -> None:
 
 
 def _is_ours(env_id: str) -> bool:
-    entry = gymnasium.spec(env_id).vector_entry_point
+    module, _, name = env_id.rpartition(":")
+    if module:  # that registers the id, as Gymnasium understands it
+        import_module(module)
+    entry = gymnasium.spec(name).vector_entry_point
     made_by = load_env_creator(entry) if isinstance(entry, str) else entry
     return isinstance(made_by, type) and issubclass(made_by, PRPVectorEnv)
