@@ -83,6 +83,18 @@ def test_keywords_reach_the_environments() -> None:
     env.close()
 
 
+def test_module_of_an_id_is_imported_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = (
+        "import gymnasium\nfrom prp_gym.envs import ForceVectorEnv as Many\n"
+        "gymnasium.register('Own-v0', vector_entry_point=Many)"
+    )
+    (tmp_path / "module_with_an_id.py").write_text(code, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    env = prp_gym.make_sb3_vec_env("module_with_an_id:Own-v0", 2)
+    del gymnasium.registry["Own-v0"]
+    assert env.get_attr("task")[0].environment_id == "PRP-Force-v0"
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [

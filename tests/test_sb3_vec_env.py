@@ -76,11 +76,13 @@ def test_nothing_returned_changes_later() -> None:
     env.seed(7)
     returned: list[Any] = [env.reset()]
     copies = copy.deepcopy(returned)
+    env.reset_infos[1]["time"] = 9.0
     for action in actions_for(env, 7):
         env.step_async(action)
         returned.append(env.step_wait())
         copies.append(copy.deepcopy(returned[-1]))
     assert_same(returned, copies, "after seven steps")
+    assert_same(env.reset_infos, [{"time": 0.0}] * N, "what was written there is gone with the next episode")
     observation, _, done, infos = returned[6]
     assert done.all()
     for info in infos:

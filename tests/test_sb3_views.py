@@ -43,9 +43,11 @@ def test_attributes_are_those_of_the_environments_asked_for(indices: Any) -> Non
     holders = [[hasattr(view, "label") for view in env.envs] for env in (pair[0].together, pair[1])]
     assert holders[0] == holders[1]
     assert pair[0].get_attr("label", indices) == pair[1].get_attr("label", indices)
-    draws = [env.env_method("get_wrapper_attr", "np_random", indices=indices) for env in pair]
+    draws = [env.env_method("get_wrapper_attr", indices=indices, name="np_random") for env in pair]
     assert [own.random() for own in draws[0]] == [own.random() for own in draws[1]]
     assert [env.has_attr("label") for env in pair] == [indices is None] * 2
+    found = pair[0].env_method("get_wrapper_attr", "np_random", indices=indices)
+    assert all(own is other for own, other in zip(found, draws[0], strict=True))
     with pytest.raises(AttributeError):
         pair[0].env_method("no_such_method", indices=indices)
 
