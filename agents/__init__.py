@@ -1,4 +1,1 @@
-"""Learned agents: the place for training, export and loading with Stable-Baselines3.
-
-It holds nothing yet; every environment already passes Stable-Baselines3's checker and trains with it.
-"""
+"""Learned agents: what training with Stable-Baselines3 needs; this module imports no learning library."""

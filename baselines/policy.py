@@ -45,20 +45,21 @@ class ControlInterface:
 
     @classmethod
     def of(cls, env: Any) -> Self:
-        """The interface of an environment of this suite, wrapped or not.
+        """The interface of an environment of this suite or of many alike, wrapped or not.
 
         Raises:
             InvalidValueError: another environment.
         """
         inner = getattr(env, "unwrapped", env)
         try:
+            task = _attribute(inner, "task")
             return cls(
-                environment_id=inner.task.environment_id,
-                layout=inner.observation_layout,
-                torque_limit=np.asarray(inner.torque_limit),
-                period=1.0 / inner.control_frequency,
-                model=inner.task.model,
-                asked=inner.task.asked,
+                environment_id=task.environment_id,
+                layout=_attribute(inner, "observation_layout"),
+                torque_limit=np.asarray(_attribute(inner, "torque_limit")),
+                period=1.0 / _attribute(inner, "control_frequency"),
+                model=task.model,
+                asked=task.asked,
             )
         except AttributeError:
             raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
@@ -77,6 +78,11 @@ class ControlInterface:
                 f"model of {self.environment_id}", type(parameters).__name__, f"a {expected}"
             )
         return type(self.model)(parameters)
+
+
+def _attribute(env: Any, name: str) -> Any:
+    """An attribute of an environment, or of the first one of many."""
+    return getattr(env, name) if hasattr(env, name) else env.get_attr(name)[0]
 
 
 SettingsT = TypeVar("SettingsT", bound=Settings)

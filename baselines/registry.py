@@ -56,7 +56,8 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
 
     Args:
         name: of the law; see `list_baselines`.
-        env: an environment of this suite, wrapped or not; only its layout, limits and rate are read.
+        env: an environment of this suite, wrapped or not, or many alike, Gymnasium's or
+            Stable-Baselines3's; only their layout, limits and rate are read.
         gains: name of a gain set: `tuned`, `report`, or another that the law has.
         overrides: the law's settings by name, in place of the set's; who gives all of a law's gains is
             free to choose the rate.

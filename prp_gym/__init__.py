@@ -19,6 +19,7 @@ from prp_gym.registration import list_envs, register_environments
 from prp_gym.robot import PRPArm, RobotParameters
 
 if TYPE_CHECKING:
+    from prp_gym.agents.make_vec_env import make_sb3_vec_env
     from prp_gym.baselines.registry import list_baselines, make_baseline
     from prp_gym.evaluation.evaluate import evaluate
 
@@ -33,12 +34,14 @@ __all__ = [
     "list_baselines",
     "list_envs",
     "make_baseline",
+    "make_sb3_vec_env",
 ]
 
 _IMPORTED_ON_USE = {
     "evaluate": "prp_gym.evaluation.evaluate",
     "list_baselines": "prp_gym.baselines.registry",
     "make_baseline": "prp_gym.baselines.registry",
+    "make_sb3_vec_env": "prp_gym.agents.make_vec_env",
 }
 
 register_environments()

@@ -140,6 +140,12 @@ def test_missing_field_shows_law_missing_and_given_fields() -> None:
     )
 
 
+def test_missing_package_shows_the_command_that_installs_it() -> None:
+    assert str(MissingPackageError("stable_baselines3", "agents")) == (
+        "stable_baselines3 is not installed; install it with: pip install 'prp-gym[agents]'"
+    )
+
+
 @pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)
 def test_error_survives_the_way_between_processes(error: PRPError) -> None:
     back = pickle.loads(pickle.dumps(error))

@@ -1,0 +1,162 @@
+"""`SB3VecEnv`: the environments of a `PRPVectorEnv`, as Stable-Baselines3 takes them."""
+
+import warnings
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepReturn
+
+from prp_gym.envs.vector import PRPVectorEnv
+from prp_gym.envs.view import EnvironmentView
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.robot.arrays import Array
+
+Indices = int | Iterable[int] | None
+
+_TRUNCATED = "TimeLimit.truncated"
+
+
+class SB3VecEnv(VecEnv):
+    """N environments stepped together, with Stable-Baselines3's interface.
+
+    To the last bit what `DummyVecEnv` gives of N environments of their own: rewards are float32; where an
+    episode ends, the next one begins within the same step, and `info` is that of the last step, with its
+    observation as `terminal_observation`. Observations and infos are new at every step.
+
+    Args:
+        together: the environments, made with `autoreset_mode="SameStep"`.
+
+    Attributes:
+        together: the environments.
+        spec: with which Gymnasium made them, if it did.
+
+    Raises:
+        InvalidValueError: another autoreset mode.
+    """
+
+    actions: NDArray[Any]
+
+    def __init__(self, together: PRPVectorEnv) -> None:
+        mode, wanted = together.metadata["autoreset_mode"], AutoresetMode.SAME_STEP
+        if mode is not wanted:
+            raise InvalidValueError("autoreset_mode", mode.value, f"{wanted.value} for Stable-Baselines3")
+        self.together = together
+        self.spec = together.spec
+        self._names = (*(field.name for field in together.info_fields), _TRUNCATED)
+        self._began = False
+        super().__init__(together.num_envs, together.single_observation_space, together.single_action_space)
+        self.metadata = {name: together.metadata[name] for name in ("render_modes", "render_fps")}
+
+    def reset(self) -> Array:
+        """Start an episode in every environment, with what `seed` and `set_options` said since the last.
+
+        Returns:
+            the observations (N, size).
+
+        Raises:
+            ShapeError: another number of options than environments, or an option of another shape.
+            UnknownNameError: an option that the task does not take.
+            NonFiniteError: NaN or infinity in an option.
+            JointLimitError: a start or goal outside the joint limits.
+        """
+        if len(self._options) != self.num_envs:
+            raise ShapeError("options", (len(self._options),), f"one dictionary, or ({self.num_envs},)")
+        each = [self.together.checked_options(options or {}, 1) for options in self._options]
+        observation = self._begin(each)
+        self.reset_infos = [{"time": 0.0} for _ in range(self.num_envs)]
+        self._reset_seeds()
+        self._reset_options()
+        return observation
+
+    def _begin(self, each: Sequence[Mapping[str, Array]]) -> Array:
+        """Start the episodes, those with the same options together; the observations of all."""
+        groups: dict[tuple[str, ...], list[int]] = {}
+        for index, options in enumerate(each):
+            groups.setdefault(tuple(sorted(options)), []).append(index)
+        if len(groups) > 1 and not self._began:  # the first reset must be one of all
+            self.together.reset(seed=self._seeds)
+        self._began = True
+        for names, members in groups.items():
+            mask = np.zeros(self.num_envs, dtype=np.bool_)
+            mask[members] = True
+            given = [each[index if mask[index] else members[0]] for index in range(self.num_envs)]
+            values = {name: np.concatenate([options[name] for options in given]) for name in names}
+            observation, _ = self.together.reset(seed=self._seeds, options={**values, "reset_mask": mask})
+        return observation
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Keep the actions (N, joints), torques over their limits, for `step_wait`."""
+        self.actions = actions
+
+    def step_wait(self) -> VecEnvStepReturn:
+        """One control period with the actions of `step_async`.
+
+        Returns:
+            observations (N, size), those of new episodes where one ended; rewards (N) [s], float32; whether
+            an episode ended (N); and an `info` for each environment.
+
+        Raises:
+            ShapeError: actions of another shape.
+            NonFiniteError: NaN or infinity in an action.
+            EpisodeError: before the first `reset`.
+        """
+        observation, reward, terminated, truncated, info = self.together.step(self.actions)
+        done = terminated | truncated
+        columns: list[list[Any]] = [self._numbers(info, name, done) for name in self._names[:-1]]
+        columns.append((truncated & ~terminated).tolist())
+        infos = [dict(zip(self._names, row, strict=True)) for row in zip(*columns, strict=True)]
+        for index in np.flatnonzero(done):
+            infos[index]["terminal_observation"] = info["final_obs"][index]
+            self.reset_infos[index] = {"time": 0.0}
+        return observation, reward.astype(np.float32), done, infos
+
+    @staticmethod
+    def _numbers(info: Mapping[str, Any], name: str, done: NDArray[np.bool_]) -> list[float]:
+        """A number of the step just taken (N), whether an episode ended with it or not."""
+        if "final_info" in info:
+            final = info["final_info"][name]
+            values = np.where(done, final, info.get(name, final))
+        else:
+            values = info[name]
+        numbers: list[float] = values.tolist()
+        return numbers
+
+    def close(self) -> None:
+        """Free the drawing context."""
+        self.together.close()
+
+    def get_images(self) -> Sequence[NDArray[Any] | None]:
+        """A picture of every environment; None for each without `render_mode="rgb_array"`."""
+        if self.render_mode != "rgb_array":
+            warnings.warn(f"pictures need render_mode='rgb_array'; it is {self.render_mode!r}", stacklevel=2)
+            return [None] * self.num_envs
+        return self.together.render()
+
+    def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
+        """An attribute of some environments, by default of all; see `EnvironmentView`."""
+        return [view.get_wrapper_attr(attr_name) for view in self._views(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
+        """Set an attribute of some environments, by default of all, to one value."""
+        for view in self._views(indices):
+            view.set_wrapper_attr(attr_name, value)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """What a method of some environments returns, by default of all; see `EnvironmentView`."""
+        found = [view.get_wrapper_attr(method_name) for view in self._views(indices)]
+        return [method(*method_args, **method_kwargs) for method in found]
+
+    def env_is_wrapped(
+        self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
+    ) -> list[bool]:
+        """False for each: there are no wrappers around one among many."""
+        return [False for _ in self._views(indices)]
+
+    def _views(self, indices: Indices) -> list[EnvironmentView]:
+        return [self.together.envs[index] for index in self._get_indices(indices)]
