@@ -8,7 +8,6 @@ import pytest
 from prp_gym.errors import InvalidValueError, ShapeError
 from tests.vector_episodes import (
     IDS,
-    SHORT,
     assert_history,
     assert_same,
     history_of,
@@ -20,8 +19,9 @@ from tests.vector_episodes import (
 )
 
 MANY = 200  # the physics stores more than 128 simulations in another way
-STEPS = 16  # two to three episodes
-AGAIN = 3
+STEPS = 10  # more than two episodes
+BRIEF = {"duration": 0.04, "control_frequency": 100}  # [s], [Hz]: four steps
+AGAIN = 2
 ALONE = (0, 1, 6, 69, 199)
 
 
@@ -34,7 +34,7 @@ def some_actions(env: Any, count: int = STEPS) -> Any:
 @pytest.mark.parametrize("scenario", ["randomized", "realistic"])
 @pytest.mark.parametrize("environment_id", IDS)
 def test_environment_gives_the_same_bits_among_any_number(environment_id: str, scenario: str) -> None:
-    keywords: dict[str, Any] = {"scenario": scenario, **SHORT}
+    keywords: dict[str, Any] = {"scenario": scenario, **BRIEF}
     env = together(environment_id, "SameStep", MANY, **keywords)
     actions = some_actions(env)
     history = run_together(env, 7, actions, AGAIN)
@@ -55,15 +55,15 @@ def test_environment_gives_the_same_bits_among_any_number(environment_id: str, s
         assert_history(history_of(history, index), expected, f"{index} of {MANY}, alone")
 
 
-@pytest.mark.parametrize("count", [9, 150])
+@pytest.mark.parametrize(("count", "steps"), [(9, 8), (130, 3)])
 @pytest.mark.parametrize("environment_id", IDS)
-def test_number_of_threads_changes_no_bit(environment_id: str, count: int) -> None:
-    keywords: dict[str, Any] = {"scenario": "realistic", "num_envs": count, **SHORT}
+def test_number_of_threads_changes_no_bit(environment_id: str, count: int, steps: int) -> None:
+    keywords: dict[str, Any] = {"scenario": "realistic", "num_envs": count, **BRIEF}
     runs = []
     for threads in (1, 2, 3, 0):
         env = together(environment_id, num_threads=threads, **keywords)
         assert env.physics.num_threads == threads
-        runs.append(run_together(env, list(range(count)), some_actions(env, 8)[:, :count], AGAIN))
+        runs.append(run_together(env, list(range(count)), some_actions(env, steps)[:, :count], AGAIN))
     for run in runs[1:]:
         assert run == runs[0]
 
