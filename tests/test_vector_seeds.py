@@ -1,4 +1,4 @@
-"""An environment among many gives what it gives alone, whatever N and the number of threads; and its seeds."""
+"""An environment among many gives what it gives alone, for any N and number of threads; and its seeds."""
 
 from typing import Any
 
