@@ -16,12 +16,10 @@ from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop import EpisodeLoop, Step
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
-from prp_gym.envs.vector_info import Mask, final_info, start_info, step_info
+from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.robot.arrays import Array
-
-_MASK = "reset_mask"
 
 Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
 
@@ -142,7 +140,8 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         if not isinstance(options, Mapping | None):
             raise InvalidValueError("reset options", options, "a dictionary")
         asked = dict(options or {})
-        mask = self._mask(asked.pop(_MASK, np.ones(self.num_envs, dtype=np.bool_)))
+        everyone = np.ones(self.num_envs, dtype=np.bool_)
+        mask = checked_mask(asked.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
         checked = self.checked_options(asked, ((), (self.num_envs,)))
         seeds = self._generators.own_seeds(seed)
         for index in np.flatnonzero(mask):
@@ -157,19 +156,6 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         ids = np.flatnonzero(mask)
         generators = [self._generators[int(index)] for index in ids]
         return self._loop.reset(ids, generators, {name: values[ids] for name, values in options.items()})
-
-    def _mask(self, mask: object) -> Mask:
-        try:
-            values = np.asarray(mask)
-        except ValueError:  # rows of different lengths
-            raise InvalidValueError(_MASK, mask, f"truth values ({self.num_envs},)") from None
-        if values.shape != (self.num_envs,):
-            raise ShapeError(_MASK, values.shape, f"({self.num_envs},)")
-        if values.dtype != np.bool_ or not values.any():
-            raise InvalidValueError(_MASK, values.tolist(), "truth values, at least one of them True")
-        if not (self._loop.started or values.all()):
-            raise InvalidValueError(f"{_MASK} of the first reset", values.tolist(), "True everywhere")
-        return values
 
     def step(self, actions: NDArray[Any]) -> Steps:
         """One control period of every environment.

@@ -22,8 +22,8 @@ from tests.vector_episodes import (
 N, WILD = 4, 2
 GENTLE = 1e-6  # of the limit that stands for none: 1 N m
 UNLIMITED: dict[str, Any] = {"torque_limit": None, "control_frequency": 50, "duration": 0.16}
-# control frequency [Hz] and action: in 20 ms so violent that MuJoCo meets numbers that are not finite, in 2 ms
-# beyond the declared speeds only
+# control frequency [Hz] and action: in 20 ms so violent that MuJoCo meets numbers that are not finite,
+# in 2 ms beyond the declared speeds only
 VIOLENCE = ((50, 1.0), (500, 0.5))
 
 
@@ -81,9 +81,7 @@ def test_neighbours_of_an_environment_that_diverges_go_on_to_the_bit(
 def test_environment_that_diverges_begins_anew_as_it_does_alone(
     environment_id: str, mode: str, rate: int, violence: float
 ) -> None:
-    ours, theirs = (
-        make(environment_id, mode, N, **keywords(rate)) for make in (together, one_by_one)
-    )
+    ours, theirs = (make(environment_id, mode, N, **keywords(rate)) for make in (together, one_by_one))
     for env in (ours, theirs):
         env.reset(seed=20)
     for count, action in enumerate(actions(ours, violence)):

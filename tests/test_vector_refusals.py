@@ -1,4 +1,4 @@
-"""What many environments refuse: with what was wrong, which value and what is allowed, and changing nothing."""
+"""What many environments refuse: what was wrong, which value, what is allowed, and nothing is changed."""
 
 import copy
 import pickle
@@ -24,20 +24,22 @@ FORCE, LINK = "PRP-Force-v0", "PRP-Adaptive-v0"
 
 @pytest.mark.parametrize("value", [0, -1, 1.5, 2.0, True, "2", None, np.nan])
 def test_number_of_environments_that_is_no_whole_number_above_zero_is_refused(value: object) -> None:
-    with pytest.raises(InvalidValueError, match="num_envs is .*; allowed: a whole number, at least 1") as caught:
+    with pytest.raises(
+        InvalidValueError, match=r"num_envs is .*; allowed: a whole number, at least 1"
+    ) as caught:
         together(FORCE, num_envs=value)  # type: ignore[arg-type]
     assert caught.value.value is value
 
 
 @pytest.mark.parametrize("value", [-1, 0.5, False, "all"])
 def test_number_of_threads_that_is_no_whole_number_is_refused(value: object) -> None:
-    with pytest.raises(InvalidValueError, match="num_threads is .*; allowed: a whole number, at least 0"):
+    with pytest.raises(InvalidValueError, match=r"num_threads is .*; allowed: a whole number, at least 0"):
         together(FORCE, num_envs=2, num_threads=value)
 
 
 @pytest.mark.parametrize("mode", ["nextstep", "", None, 1])
 def test_autoreset_mode_that_does_not_exist_is_refused(mode: Any) -> None:
-    with pytest.raises(UnknownNameError, match="unknown autoreset_mode .* Valid: Disabled, NextStep, SameStep"):
+    with pytest.raises(UnknownNameError, match=r"unknown autoreset_mode .* Valid: Disabled, NextStep, Same"):
         together(FORCE, mode)
 
 

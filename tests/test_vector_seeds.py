@@ -103,7 +103,7 @@ def test_seed_of_an_environment_that_is_not_reset_is_not_used() -> None:
         env.reset(seed=0)
     mask = np.array([False, True, False, False, False])
     for env in (ours, theirs):
-        env.reset(seed=[10, 11, 12, 13, 14], options={"reset_mask": mask})  # type: ignore[arg-type]
+        env.reset(seed=[10, 11, 12, 13, 14], options={"reset_mask": mask})
     assert ours.np_random_seed == theirs.np_random_seed == (0, 11, 2, 3, 4)
     assert_same(ours.reset(), theirs.reset(), "reset")
 

@@ -29,7 +29,7 @@ def by_pickle(env: PRPVectorEnv) -> PRPVectorEnv:
 
 def by_state(env: PRPVectorEnv) -> PRPVectorEnv:
     """Another one made with the same keywords, after some steps of its own, put where this one is."""
-    keywords = {name: value for name, value in (env.spec.kwargs if env.spec else {}).items()}
+    keywords = dict(env.spec.kwargs if env.spec else {})
     mode = str(keywords.pop("autoreset_mode"))
     keywords.pop("vectorization_mode")
     other = together(env.task.environment_id, mode, **keywords)
@@ -165,7 +165,9 @@ def test_state_of_other_environments_is_refused_and_nothing_changes(
 def test_environments_that_wait_cannot_be_put_where_nothing_waits() -> None:
     env, values = midway(FORCE, "NextStep")
     same = together(FORCE, "SameStep", N, scenario="realistic", **SHORT)
-    with pytest.raises(InvalidValueError, match=r"ended environments is \[1, 3\]; allowed: none with SameStep"):
+    with pytest.raises(
+        InvalidValueError, match=r"ended environments is \[1, 3\]; allowed: none with SameStep"
+    ):
         same.set_state(env.get_state())
     env.reset()
     same.set_state(env.get_state())
@@ -175,7 +177,7 @@ def test_environments_that_wait_cannot_be_put_where_nothing_waits() -> None:
 @pytest.mark.parametrize("copied", [copy.deepcopy, by_pickle])
 def test_environments_never_reset_are_copied_with_their_views(copied: Copier) -> None:
     env = together(FORCE, "SameStep", N)
-    env.envs[1].mark = 7  # type: ignore[attr-defined]
+    env.envs[1].mark = 7
     clone = copied(env)
     assert clone.metadata == env.metadata
     assert clone.envs[1].get_wrapper_attr("mark") == 7

@@ -1,4 +1,4 @@
-"""Environments among many one by one: views, `call`, attributes, pictures, as Gymnasium's vectors have them."""
+"""Environments among many one by one, as Gymnasium's vectors have them: views, attributes, pictures."""
 
 import os
 from typing import Any

@@ -13,7 +13,10 @@ from prp_gym.robot.arrays import Array
 
 MODES = [mode.value for mode in AutoresetMode]
 IDS = prp_gym.list_envs()
-SHORT = {"duration": 0.06, "control_frequency": 100}  # [s], [Hz]: six steps, so that many episodes end
+SHORT: dict[str, Any] = {
+    "duration": 0.06,
+    "control_frequency": 100,
+}  # [s], [Hz]: six steps, so that many episodes end
 
 Outcome = tuple[bytes, bytes, bool, bool, dict[str, Any]]
 """What one environment returned, to the bit: observation, reward, ends, and its own `info`."""
@@ -104,7 +107,7 @@ def run_together(env: Any, seed: Any, actions: NDArray[Any], again: int = 3) -> 
     """
     mask = np.arange(env.num_envs) % 3 == 0
     observation, _ = env.reset(seed=seed)
-    history = [[(bits(row), b"", False, False, {}) for row in observation]]
+    history: list[list[Outcome]] = [[(bits(row), b"", False, False, {}) for row in observation]]
     for count, action in enumerate(actions):
         if count == again:
             env.reset(options={"reset_mask": mask})
