@@ -103,6 +103,18 @@ def test_all_environments_may_diverge_at_once() -> None:
         assert_same(ours.step(action), theirs.step(action), "step")
 
 
+@pytest.mark.parametrize("mode", MODES)
+def test_divergence_in_the_last_step_is_a_termination_and_no_truncation(mode: str) -> None:
+    env = together("PRP-Impedance-v0", mode, N, **{**UNLIMITED, "duration": 0.04})
+    env.reset(seed=20)
+    values = actions(env, 1.0)
+    env.step(values[0])
+    _, reward, terminated, truncated, _ = env.step(values[1])
+    assert terminated.tolist() == [False, False, True, False]
+    assert truncated.tolist() == [True, True, False, True]
+    assert (reward == 0.0).tolist() == terminated.tolist()
+
+
 def test_step_after_an_end_names_the_environments_that_must_be_reset() -> None:
     env, twin = (together("PRP-PoseTracking-v0", "Disabled", N, **UNLIMITED) for _ in range(2))
     values = actions(env, 1.0)

@@ -1,5 +1,6 @@
 """Environments among many one by one, as Gymnasium's vectors have them: views, attributes, pictures."""
 
+import copy
 import os
 from typing import Any
 
@@ -67,21 +68,27 @@ def test_views_and_properties_are_copies() -> None:
     for where in (env, *env.envs):
         for name in ("truth", "commanded_torque", "applied_torque", "torque_limit"):
             getattr(where, name)[:] = 77.0
+            np.testing.assert_array_equal(getattr(env, name), getattr(twin, name))
     for action in actions_for(env, 3):
         assert_same(env.step(action), twin.step(action), "step")
         np.testing.assert_array_equal(env.truth, twin.truth)
 
 
-def test_what_a_step_returned_is_not_changed_by_the_next() -> None:
-    env = together("PRP-Impedance-v0", "SameStep", N, **SHORT)
-    kept = [env.reset(seed=0), *(env.step(action) for action in actions_for(env, 7))]
-    twin = together("PRP-Impedance-v0", "SameStep", N, **SHORT)
-    assert_same(kept[0], twin.reset(seed=0), "reset")
-    for count, action in enumerate(actions_for(env, 7)):
-        now = twin.step(action)
-        assert_same(kept[count + 1], now, f"step {count}")
-        for array in now[:4]:
-            array[:] = 1  # what was returned is the caller's own
+@pytest.mark.parametrize("environment_id", IDS)
+def test_what_is_returned_is_the_callers_own(environment_id: str) -> None:
+    used, kept = (together(environment_id, "SameStep", N, **SHORT) for _ in range(2))
+    starts = [env.reset(seed=0) for env in (used, kept)]
+    starts[0][0][:] = 1.0
+    steps = []
+    for count, action in enumerate(actions_for(kept, 7)):
+        found = used.step(action)
+        steps.append((kept.step(action), copy.deepcopy(found)))
+        assert_same(*steps[-1], f"step {count}")
+        for array in (*found[:4], *(value for value in found[4].values() if isinstance(value, np.ndarray))):
+            array[:] = 1
+        np.testing.assert_array_equal(used.truth, kept.truth)
+    for returned, then in steps:  # later steps have changed nothing
+        assert_same(returned, then, "afterwards")
 
 
 def test_attributes_of_ones_own_are_set_as_gymnasiums_vectors_do() -> None:
