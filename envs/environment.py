@@ -17,6 +17,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import NoOptions, Task
 
 _ONLY = np.array([0])
+_ONE_VALUE = ((),)  # of a reset option
 
 
 class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
@@ -92,7 +93,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
             NonFiniteError: NaN or infinity in an option.
             JointLimitError: a start or goal outside the joint limits.
         """
-        checked = self.checked_options(options or {}, 1)
+        checked = self.checked_options(options or {}, _ONE_VALUE)
         super().reset(seed=seed)
         observation = self._loop.reset(_ONLY, [self.np_random], checked)
         if self.render_mode == "human":

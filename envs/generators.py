@@ -1,13 +1,16 @@
 """The random generators of N environments, each its own."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from gymnasium.utils import seeding
+from numpy.typing import NDArray
 
+from prp_gym.envs.checks import whole
 from prp_gym.errors import ShapeError
 
-Seeds = int | Sequence[int | None] | None
+Seeds = int | Sequence[int | None] | NDArray[np.integer[Any]] | None
 
 
 class Generators:
@@ -47,11 +50,19 @@ class Generators:
         """A seed an environment (N): `seed + i` from one number, else as they are given.
 
         Raises:
+            InvalidValueError: a seed that is no whole number, or negative.
             ShapeError: another number of seeds.
         """
         count = len(self._made)
-        if seed is None or isinstance(seed, (int, np.integer)):
-            return [None if seed is None else int(seed) + index for index in range(count)]
-        if len(seed) != count:
-            raise ShapeError("seed", (len(seed),), f"one number, or ({count},)")
-        return [None if own is None else int(own) for own in seed]
+        given = seed.tolist() if isinstance(seed, np.ndarray) else seed
+        if given is None:
+            return [None] * count
+        if isinstance(given, str) or not isinstance(given, Sequence):
+            first = whole("seed", given, 0)
+            return [first + index for index in range(count)]
+        if len(given) != count:
+            raise ShapeError("seed", (len(given),), f"one number, or ({count},)")
+        return [
+            None if own is None else whole(f"seed of environment {index}", own, 0)
+            for index, own in enumerate(given)
+        ]

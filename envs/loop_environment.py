@@ -80,12 +80,15 @@ class LoopEnvironment:
         """Length of an episode [s]."""
         return self.config.duration
 
-    def checked_options(self, options: Mapping[str, Any], num_envs: int) -> dict[str, Array]:
+    def checked_options(
+        self, options: Mapping[str, Any], leads: tuple[tuple[int, ...], ...]
+    ) -> dict[str, Array]:
         """Reset options as numbers.
 
         Args:
-            options: by name, one value for all of several environments or one an environment (N, *shape).
-            num_envs: N; 1 for an environment of its own, which takes one value.
+            options: by name.
+            leads: the leading dimensions that values may have: () is one value for all environments, (N) one
+                an environment.
 
         Returns:
             (N, *shape) by name.
@@ -104,13 +107,12 @@ class LoopEnvironment:
                 raise UnknownNameError("reset option", name, self.task.reset_options)
             values = as_numbers(f"reset option {name!r}", value)
             shape = self.task.reset_options[name].shape
-            each = (num_envs, *shape)
-            if values.shape != shape and (num_envs == 1 or values.shape != each):
-                expected = f"{shape}" if num_envs == 1 else f"{shape} or {each}"
-                raise ShapeError(f"reset option {name!r}", values.shape, expected)
+            allowed = [(*lead, *shape) for lead in leads]
+            if values.shape not in allowed:
+                raise ShapeError(f"reset option {name!r}", values.shape, " or ".join(map(str, allowed)))
             if not np.isfinite(values).all():
                 raise NonFiniteError(f"reset option {name!r}", values.tolist())
-            checked[name] = np.broadcast_to(values, each)
+            checked[name] = np.broadcast_to(values, (self._loop.num_envs, *shape))
         return checked
 
     def picture(self, index: int) -> NDArray[Any]:
@@ -177,8 +179,11 @@ class LoopEnvironment:
             the observations (N, size).
 
         Raises:
-            InvalidValueError: a state of environments of another kind or number, or made with other keywords.
+            InvalidValueError: no state of environments, one of environments of another kind or number, or
+                made with other keywords.
         """
+        if not isinstance(state, EnvState):
+            raise InvalidValueError("saved state", type(state).__name__, "what get_state returned here")
         if type(state.loop.rest["task"]) is not type(self.task):
             found = type(state.loop.rest["task"]).__name__
             raise InvalidValueError("saved state's task", found, type(self.task).__name__)

@@ -16,12 +16,10 @@ from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop import EpisodeLoop, Step
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
-from prp_gym.envs.vector_info import Mask, final_info, start_info, step_info
+from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.robot.arrays import Array
-
-_MASK = "reset_mask"
 
 Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
 
@@ -135,12 +133,17 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             UnknownNameError: an option that the task does not take.
             ShapeError: an option or seeds of another shape.
             NonFiniteError: NaN or infinity in an option.
-            InvalidValueError: a mask that is none, or that leaves out what was never reset.
+            InvalidValueError: a mask that is none, or that leaves out what was never reset; options that
+                are no dictionary; a seed that is no whole number, or negative.
             JointLimitError: a start or goal outside the joint limits.
         """
+        if not isinstance(options, Mapping | None):
+            raise InvalidValueError("reset options", options, "a dictionary")
         asked = dict(options or {})
-        mask = self._mask(asked.pop(_MASK, np.ones(self.num_envs, dtype=np.bool_)))
-        checked, seeds = self.checked_options(asked, self.num_envs), self._generators.own_seeds(seed)
+        everyone = np.ones(self.num_envs, dtype=np.bool_)
+        mask = checked_mask(asked.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
+        checked = self.checked_options(asked, ((), (self.num_envs,)))
+        seeds = self._generators.own_seeds(seed)
         for index in np.flatnonzero(mask):
             if seeds[index] is not None:
                 self._generators.seed(int(index), seeds[index])
@@ -153,14 +156,6 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         ids = np.flatnonzero(mask)
         generators = [self._generators[int(index)] for index in ids]
         return self._loop.reset(ids, generators, {name: values[ids] for name, values in options.items()})
-
-    def _mask(self, mask: object) -> Mask:
-        values = np.asarray(mask)
-        if values.shape != (self.num_envs,):
-            raise ShapeError(_MASK, values.shape, f"({self.num_envs},)")
-        if values.dtype != np.bool_ or not values.any():
-            raise InvalidValueError(_MASK, values.tolist(), "truth values, at least one of them True")
-        return values
 
     def step(self, actions: NDArray[Any]) -> Steps:
         """One control period of every environment.
@@ -277,8 +272,15 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             the observations (N, size).
 
         Raises:
-            InvalidValueError: a state of environments of another kind or number, or made with other keywords.
+            InvalidValueError: no state of environments, one of environments of another kind or number, or
+                made with other keywords; environments that wait for their reset where that is made in the
+                same step.
         """
+        if not isinstance(state, VectorState):
+            raise InvalidValueError("saved state", type(state).__name__, "what get_state returned here")
+        if self._mode is AutoresetMode.SAME_STEP and state.ended.any():
+            which = np.flatnonzero(state.ended).tolist()
+            raise InvalidValueError("saved state's ended environments", which, "none with SameStep autoreset")
         observation = self.restore(state.environments, self.np_random)
         self._ended = state.ended.copy()
         return observation

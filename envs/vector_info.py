@@ -1,4 +1,4 @@
-"""`info` of many environments, in Gymnasium's form: an array a number, and a mask of who has it."""
+"""Masks of many environments: who is reset, and, in Gymnasium's form of `info`, who has a number."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -6,9 +6,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
 
+RESET_MASK = "reset_mask"
 Mask = NDArray[np.bool_]
+
+
+def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
+    """Which environments to reset (N).
+
+    Args:
+        mask: as it is given.
+        num_envs: N.
+        started: whether all were reset before; the first reset covers all.
+
+    Raises:
+        ShapeError: another shape.
+        InvalidValueError: no truth values, none of them True, or some not True at the first reset.
+    """
+    try:
+        values = np.asarray(mask)
+    except ValueError:  # rows of different lengths
+        raise InvalidValueError(RESET_MASK, mask, f"truth values ({num_envs},)") from None
+    if values.shape != (num_envs,):
+        raise ShapeError(RESET_MASK, values.shape, f"({num_envs},)")
+    if values.dtype != np.bool_ or not values.any():
+        raise InvalidValueError(RESET_MASK, values.tolist(), "truth values, at least one of them True")
+    if not (started or values.all()):
+        raise InvalidValueError(f"{RESET_MASK} of the first reset", values.tolist(), "True everywhere")
+    return values
 
 
 def start_info(started: Mask) -> dict[str, Any]:

@@ -111,9 +111,17 @@ class EnvironmentView:
         """Whether there is such an attribute."""
         return hasattr(self, name)
 
-    def set_wrapper_attr(self, name: str, value: Any) -> None:
-        """Set an attribute by its name."""
-        setattr(self, name, value)
+    def set_wrapper_attr(self, name: str, value: Any, *, force: bool = True) -> bool:
+        """Set an attribute by its name, a new one if forced; whether it was set."""
+        if force or hasattr(self, name):
+            setattr(self, name, value)
+            return True
+        return False
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in _SHARED:
+            raise AttributeError(f"{name!r} is that of all environments together and cannot be set for one")
+        super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:
         if name not in _SHARED:

@@ -2,60 +2,12 @@
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
-import prp_gym
-from prp_gym.envs import PRPVectorEnv
-from prp_gym.robot.arrays import Array
+from tests.vector_episodes import IDS, MODES, SHORT, actions_for, assert_same, one_by_one, together
 
 N = 5
-MODES = [mode.value for mode in AutoresetMode]
-IDS = prp_gym.list_envs()
-SHORT = {"duration": 0.06, "control_frequency": 100}  # [s], [Hz]: six steps, so that many episodes end
-
-
-def together(environment_id: str, mode: str, num_envs: int = N, **keywords: Any) -> PRPVectorEnv:
-    env = gymnasium.make_vec(environment_id, num_envs, autoreset_mode=mode, **keywords)
-    assert isinstance(env, PRPVectorEnv)
-    return env
-
-
-def one_by_one(environment_id: str, mode: str, num_envs: int = N, **keywords: Any) -> SyncVectorEnv:
-    env = gymnasium.make_vec(
-        environment_id, num_envs, "sync", vector_kwargs={"autoreset_mode": mode}, **keywords
-    )
-    assert isinstance(env, SyncVectorEnv)
-    return env
-
-
-def assert_same(found: Any, expected: Any, where: str) -> None:
-    """Equal to the last bit, with the same types, in arrays, dictionaries and arrays of arrays."""
-    assert type(found) is type(expected), where
-    if isinstance(expected, dict):
-        assert set(found) == set(expected), where
-        for key in expected:
-            assert_same(found[key], expected[key], f"{where}[{key!r}]")
-    elif isinstance(expected, tuple):
-        assert len(found) == len(expected), where
-        for index, item in enumerate(expected):
-            assert_same(found[index], item, f"{where}[{index}]")
-    elif expected is None or expected.dtype != object:
-        np.testing.assert_array_equal(found, expected, err_msg=where)
-        if expected is not None:
-            assert (found.dtype, found.shape) == (expected.dtype, expected.shape), where
-    else:
-        assert found.dtype == object, where
-        for index, item in enumerate(expected):
-            assert_same(found[index], item, f"{where}[{index}]")
-
-
-def actions_for(env: Any, count: int, share: float = 1.2) -> list[Array]:
-    """Random actions, some beyond the limits."""
-    rng = np.random.default_rng(11)
-    return [rng.uniform(-share, share, env.action_space.shape).astype(np.float32) for _ in range(count)]
 
 
 @pytest.mark.parametrize("scenario", ["report", "randomized", "realistic"])
