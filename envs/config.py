@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
-from typing import TypeVar
+from dataclasses import dataclass, field, fields, replace
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -107,6 +107,10 @@ class EnvConfig:
         """Control periods in an episode."""
         return round(self.duration * self.control_frequency)
 
+    def at_most(self, steps: int) -> Self:
+        """The same with episodes of so many control periods at most."""
+        return replace(self, duration=min(self.horizon, steps) / self.control_frequency)
+
     def load_scenario(self) -> Scenario:
         """The scenario by its name."""
         return load_scenario(self.scenario)
@@ -161,13 +165,14 @@ def _is_whole(value: float) -> bool:
 
 
 def parse_keywords(
-    keywords: Mapping[str, object], options_class: type[OptionsT]
+    keywords: Mapping[str, object], options_class: type[OptionsT], others: frozenset[str] = frozenset()
 ) -> tuple[EnvConfig, OptionsT]:
     """Sort keywords into the common ones and the task's own.
 
     Args:
         keywords: as given to `gymnasium.make`.
         options_class: dataclass of the task's own keywords.
+        others: keywords beside these, which a message about an unknown one should name.
 
     Returns:
         the common keywords and the task's.
@@ -179,6 +184,6 @@ def parse_keywords(
     own = {entry.name for entry in fields(options_class)}  # type: ignore[arg-type]
     for name in keywords:
         if name not in common | own:
-            raise UnknownNameError("environment keyword", name, common | own)
+            raise UnknownNameError("environment keyword", name, common | own | others)
     config = EnvConfig(**{name: value for name, value in keywords.items() if name in common})  # type: ignore[arg-type]
     return config, options_class(**{name: value for name, value in keywords.items() if name in own})

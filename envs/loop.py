@@ -181,8 +181,7 @@ class EpisodeLoop:
         saturated = None
         inside = np.abs(action) < self._full
         if not all_true(inside):
-            if not np.isfinite(action).all():
-                raise NonFiniteError("action", action.tolist())
+            self._require_finite(action)
             action = np.clip(action, -1.0, 1.0)
             saturated = ~inside
         command = action * self._limit
@@ -203,6 +202,12 @@ class EpisodeLoop:
             self._judge.forfeit(reward, info, terminated)
             truncated &= ~terminated
         return Step(self._observe(), reward, terminated, truncated, info)
+
+    def _require_finite(self, action: Array) -> None:
+        bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
+        if len(bad):
+            what = "action" if self.num_envs == 1 else f"action of environments {bad.tolist()}"
+            raise NonFiniteError(what, action[bad].tolist())
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds with this step (N); they cannot be stepped on."""

@@ -21,6 +21,8 @@ from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.robot.arrays import Array
 
+_OWN_KEYWORDS = frozenset(("num_threads", "autoreset_mode", "max_episode_steps"))
+
 Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
 
 
@@ -43,6 +45,8 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         autoreset_mode: when an episode that ended begins anew: with the next step (`NextStep`), within the
             same step (`SameStep`, the last observation is `info["final_obs"]`), or when `reset` is called
             with `options={"reset_mask": ...}` (`Disabled`).
+        max_episode_steps: after which an episode is over at the latest, as Gymnasium's `TimeLimit` ends it;
+            None for the `duration` alone.
         keywords: those of the single environment; every environment has the same.
 
     Raises:
@@ -56,10 +60,13 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         num_envs: int = 1,
         num_threads: int = 0,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        max_episode_steps: int | None = None,
         **keywords: object,
     ) -> None:
         kind = self.environment_class
-        self.config, self.options = parse_keywords(keywords, kind.options_class)
+        self.config, self.options = parse_keywords(keywords, kind.options_class, _OWN_KEYWORDS)
+        if max_episode_steps is not None:
+            self.config = self.config.at_most(whole("max_episode_steps", max_episode_steps, 1))
         if self.config.render_mode == "human":
             modes = ", ".join(mode for mode in RENDER_MODES if mode != "human")
             raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")

@@ -31,3 +31,13 @@ def test_steps_and_restarts_are_those_of_single_environments(
         outcome = ours.step(action)
         assert_same(outcome, theirs.step(action), f"step {count}")
         again = (outcome[2] | outcome[3]) & (mode == "Disabled")
+
+
+@pytest.mark.parametrize("steps", [4, 1000])
+@pytest.mark.parametrize("mode", MODES[:2])
+def test_limit_of_steps_is_gymnasiums(mode: str, steps: int) -> None:
+    keywords: dict[str, Any] = {"max_episode_steps": steps, **SHORT}
+    ours, theirs = together(IDS[0], mode, **keywords), one_by_one(IDS[0], mode, **keywords)
+    assert_same(ours.reset(seed=2), theirs.reset(seed=2), "reset")
+    for count, action in enumerate(actions_for(ours, 15)):
+        assert_same(ours.step(action), theirs.step(action), f"step {count}")

@@ -143,7 +143,6 @@ def test_torques_of_diverged_environments_are_numbers() -> None:
     assert np.isfinite(env.commanded_torque).all()
 
 
-@pytest.mark.xfail(strict=True, reason="MuJoCo writes MUJOCO_LOG.TXT and a line to stderr at each divergence")
 @pytest.mark.parametrize("mode", MODES)
 def test_divergence_writes_nothing_where_the_process_runs(
     mode: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

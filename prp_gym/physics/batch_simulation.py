@@ -14,6 +14,7 @@ from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
 from prp_gym.robot.arrays import Array
 
 _BAD_STATE = slice(int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1)
+_NO_WARNING = 1000  # what MuJoCo's counts start from: it writes a line and a file at a count of 0
 _PERSISTENT_UP_TO = 128  # simulations: beyond it one MjData each no longer fits the caches and is slower
 
 NO_COLUMNS = slice(0, 0)
@@ -116,7 +117,9 @@ class Simulation(ABC):
         in_contact = layout.contact_force != NO_COLUMNS
         self._stage = int(stages.mjSTAGE_ACC if in_contact else stages.mjSTAGE_VEL)
         self._timestep = float(model.opt.timestep)
+        self._no_warning = np.full_like(self._warnings, _NO_WARNING)
         self._batch.reset(stage=self._stage)
+        self._warnings[:] = _NO_WARNING
 
     def _answer(self, columns: slice, width: int) -> Array:
         """A view of sensors, or zeros where a world has none of that kind."""
@@ -170,7 +173,7 @@ class Simulation(ABC):
 
         MuJoCo then puts the simulation back to its home position, at rest and without torques.
         """
-        flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != 0, axis=1)
+        flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != self._no_warning, axis=1)
         return flags
 
     def watch(self, bound: Array) -> None:
@@ -185,7 +188,7 @@ class Simulation(ABC):
         So it mostly is, and asking is faster than asking for each.
         """
         beyond = np.abs(self._sensors) > self._threshold
-        return not (np.count_nonzero(beyond) or np.count_nonzero(self._warnings))
+        return not (np.count_nonzero(beyond) or np.count_nonzero(self._warnings != self._no_warning))
 
     @property
     def stop_violation(self) -> Array:
@@ -228,6 +231,7 @@ class Simulation(ABC):
             if not np.isfinite(values).all():
                 raise NonFiniteError(what, np.asarray(values).tolist())
         self._batch.reset(ids, stage=int(mujoco.mjtStage.mjSTAGE_NONE))
+        self._warnings[ids] = _NO_WARNING
         self._position[ids] = joint_position
         self._velocity[ids] = joint_velocity
         self._batch.forward(ids, stage=self._stage)
