@@ -18,6 +18,7 @@ from prp_gym.robot.arrays import Array
 Indices = int | Iterable[int] | None
 
 _TRUNCATED = "TimeLimit.truncated"
+_ONE_VALUE = ((),)
 
 
 class SB3VecEnv(VecEnv):
@@ -65,7 +66,7 @@ class SB3VecEnv(VecEnv):
         """
         if len(self._options) != self.num_envs:
             raise ShapeError("options", (len(self._options),), f"one dictionary, or ({self.num_envs},)")
-        each = [self.together.checked_options(options or {}, 1) for options in self._options]
+        each = [self.together.checked_options(options or {}, _ONE_VALUE) for options in self._options]
         observation = self._begin(each)
         self.reset_infos = [{"time": 0.0} for _ in range(self.num_envs)]
         self._reset_seeds()
@@ -84,7 +85,7 @@ class SB3VecEnv(VecEnv):
             mask = np.zeros(self.num_envs, dtype=np.bool_)
             mask[members] = True
             given = [each[index if mask[index] else members[0]] for index in range(self.num_envs)]
-            values = {name: np.concatenate([options[name] for options in given]) for name in names}
+            values = {name: np.stack([options[name][0] for options in given]) for name in names}
             observation, _ = self.together.reset(seed=self._seeds, options={**values, "reset_mask": mask})
         return observation
 
