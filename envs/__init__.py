@@ -1,32 +1,54 @@
 """The Gymnasium environments, one task a file."""
 
-from prp_gym.envs.adaptive import AdaptiveEnv, AdaptiveOptions, AdaptiveTracking
-from prp_gym.envs.admittance import Admittance, AdmittanceEnv, AdmittanceOptions
-from prp_gym.envs.compliance import Compliance, ComplianceEnv
+from prp_gym.envs.adaptive import AdaptiveEnv, AdaptiveOptions, AdaptiveTracking, AdaptiveVectorEnv
+from prp_gym.envs.admittance import Admittance, AdmittanceEnv, AdmittanceOptions, AdmittanceVectorEnv
+from prp_gym.envs.compliance import Compliance, ComplianceEnv, ComplianceVectorEnv
 from prp_gym.envs.config import EnvConfig
-from prp_gym.envs.environment import EnvState, PRPEnv
-from prp_gym.envs.force import Force, ForceEnv
-from prp_gym.envs.force_position import ForcePosition, ForcePositionEnv, ForcePositionOptions
+from prp_gym.envs.environment import PRPEnv
+from prp_gym.envs.force import Force, ForceEnv, ForceVectorEnv
+from prp_gym.envs.force_position import (
+    ForcePosition,
+    ForcePositionEnv,
+    ForcePositionOptions,
+    ForcePositionVectorEnv,
+)
 from prp_gym.envs.force_task import ForceOptions
-from prp_gym.envs.impedance import Impedance, ImpedanceEnv
-from prp_gym.envs.joint_regulation import JointRegulation, JointRegulationEnv
-from prp_gym.envs.joint_tracking import JointTracking, JointTrackingEnv, TrackingOptions
+from prp_gym.envs.impedance import Impedance, ImpedanceEnv, ImpedanceVectorEnv
+from prp_gym.envs.joint_regulation import JointRegulation, JointRegulationEnv, JointRegulationVectorEnv
+from prp_gym.envs.joint_tracking import (
+    JointTracking,
+    JointTrackingEnv,
+    JointTrackingVectorEnv,
+    TrackingOptions,
+)
 from prp_gym.envs.loop import EpisodeLoop
-from prp_gym.envs.pose_regulation import PoseRegulation, PoseRegulationEnv
-from prp_gym.envs.pose_tracking import PoseTracking, PoseTrackingEnv, PoseTrackingOptions
+from prp_gym.envs.loop_environment import EnvState
+from prp_gym.envs.pose_regulation import PoseRegulation, PoseRegulationEnv, PoseRegulationVectorEnv
+from prp_gym.envs.pose_tracking import (
+    PoseTracking,
+    PoseTrackingEnv,
+    PoseTrackingOptions,
+    PoseTrackingVectorEnv,
+)
 from prp_gym.envs.rendering_task import StiffnessOptions, TargetOptions
+from prp_gym.envs.vector import PRPVectorEnv, VectorState
+from prp_gym.envs.view import EnvironmentView
 
 __all__ = [
     "AdaptiveEnv",
     "AdaptiveOptions",
     "AdaptiveTracking",
+    "AdaptiveVectorEnv",
     "Admittance",
     "AdmittanceEnv",
     "AdmittanceOptions",
+    "AdmittanceVectorEnv",
     "Compliance",
     "ComplianceEnv",
+    "ComplianceVectorEnv",
     "EnvConfig",
     "EnvState",
+    "EnvironmentView",
     "EpisodeLoop",
     "Force",
     "ForceEnv",
@@ -34,19 +56,28 @@ __all__ = [
     "ForcePosition",
     "ForcePositionEnv",
     "ForcePositionOptions",
+    "ForcePositionVectorEnv",
+    "ForceVectorEnv",
     "Impedance",
     "ImpedanceEnv",
+    "ImpedanceVectorEnv",
     "JointRegulation",
     "JointRegulationEnv",
+    "JointRegulationVectorEnv",
     "JointTracking",
     "JointTrackingEnv",
+    "JointTrackingVectorEnv",
     "PRPEnv",
+    "PRPVectorEnv",
     "PoseRegulation",
     "PoseRegulationEnv",
+    "PoseRegulationVectorEnv",
     "PoseTracking",
     "PoseTrackingEnv",
     "PoseTrackingOptions",
+    "PoseTrackingVectorEnv",
     "StiffnessOptions",
     "TargetOptions",
     "TrackingOptions",
+    "VectorState",
 ]

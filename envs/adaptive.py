@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
@@ -198,3 +199,9 @@ class AdaptiveEnv(PRPEnv):
 
     task_class = AdaptiveTracking
     options_class = AdaptiveOptions
+
+
+class AdaptiveVectorEnv(PRPVectorEnv):
+    """Many of `AdaptiveEnv`, stepped together."""
+
+    environment_class = AdaptiveEnv

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.rendering_task import DynamicRenderingTask, TargetOptions
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
 
@@ -53,3 +54,9 @@ class AdmittanceEnv(PRPEnv):
 
     task_class = Admittance
     options_class = AdmittanceOptions
+
+
+class AdmittanceVectorEnv(PRPVectorEnv):
+    """Many of `AdmittanceEnv`, stepped together."""
+
+    environment_class = AdmittanceEnv

@@ -46,3 +46,14 @@ def within(what: str, value: object, bounds: tuple[float, float], unit: str) -> 
     if not low <= number <= high:
         raise InvalidValueError(what, number, f"{low:g} to {high:g}", unit)
     return number
+
+
+def whole(what: str, value: object, least: int) -> int:
+    """A value as a whole number, at least the least that is allowed.
+
+    Raises:
+        InvalidValueError: not a whole number, or below.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+        raise InvalidValueError(what, value, f"a whole number, at least {least}")
+    return int(value)

@@ -2,6 +2,7 @@
 
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.rendering_task import StaticRenderingTask, StiffnessOptions
+from prp_gym.envs.vector import PRPVectorEnv
 
 
 class Compliance(StaticRenderingTask):
@@ -21,3 +22,9 @@ class ComplianceEnv(PRPEnv):
 
     task_class = Compliance
     options_class = StiffnessOptions
+
+
+class ComplianceVectorEnv(PRPVectorEnv):
+    """Many of `ComplianceEnv`, stepped together."""
+
+    environment_class = ComplianceEnv

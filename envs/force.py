@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.force_task import ForceOptions, ForceTask
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.trajectory import Constant, Trajectory
 
@@ -29,3 +30,9 @@ class ForceEnv(PRPEnv):
 
     task_class = Force
     options_class = ForceOptions
+
+
+class ForceVectorEnv(PRPVectorEnv):
+    """Many of `ForceEnv`, stepped together."""
+
+    environment_class = ForceEnv

@@ -11,6 +11,7 @@ from prp_gym.envs.config import describe
 from prp_gym.envs.contact_task import ContactStart
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.force_task import ForceOptions, ForceTask
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
@@ -123,3 +124,9 @@ class ForcePositionEnv(PRPEnv):
 
     task_class = ForcePosition
     options_class = ForcePositionOptions
+
+
+class ForcePositionVectorEnv(PRPVectorEnv):
+    """Many of `ForcePositionEnv`, stepped together."""
+
+    environment_class = ForcePositionEnv

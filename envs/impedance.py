@@ -2,6 +2,7 @@
 
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.rendering_task import DynamicRenderingTask, TargetOptions
+from prp_gym.envs.vector import PRPVectorEnv
 
 
 class Impedance(DynamicRenderingTask):
@@ -20,3 +21,9 @@ class ImpedanceEnv(PRPEnv):
 
     task_class = Impedance
     options_class = TargetOptions
+
+
+class ImpedanceVectorEnv(PRPVectorEnv):
+    """Many of `ImpedanceEnv`, stepped together."""
+
+    environment_class = ImpedanceEnv

@@ -5,6 +5,7 @@ import numpy as np
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.joint_task import JointTask
 from prp_gym.envs.reference_draws import Draw
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.robot.arrays import Array
 
 
@@ -26,3 +27,9 @@ class JointRegulationEnv(PRPEnv):
     """
 
     task_class = JointRegulation
+
+
+class JointRegulationVectorEnv(PRPVectorEnv):
+    """Many of `JointRegulationEnv`, stepped together."""
+
+    environment_class = JointRegulationEnv

@@ -10,6 +10,7 @@ from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.joint_task import JointTask
 from prp_gym.envs.reference_draws import Draw, StartOptions
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.trajectory import Sine
@@ -79,3 +80,9 @@ class JointTrackingEnv(PRPEnv):
 
     task_class = JointTracking
     options_class = TrackingOptions
+
+
+class JointTrackingVectorEnv(PRPVectorEnv):
+    """Many of `JointTrackingEnv`, stepped together."""
+
+    environment_class = JointTrackingEnv

@@ -129,7 +129,7 @@ class EpisodeLoop:
         Args:
             ids: (n) the environments, in rising order.
             rngs: (n) their own generators.
-            options: validated reset options, the same for all.
+            options: validated reset options by name, a value for each (n, ...).
 
         Returns:
             (N, size) observations of all environments.
@@ -140,8 +140,8 @@ class EpisodeLoop:
         """
         self._check_ids(ids)
         starts, plants, seeds = [], [], []
-        for rng in rngs:
-            starts.append(self.task.draw(rng, options))
+        for row, rng in enumerate(rngs):
+            starts.append(self.task.draw(rng, {name: values[row] for name, values in options.items()}))
             plants.append(self.task.draw_plant(rng))
             seeds.append(int(rng.integers(_LARGEST_SEED)))
         self.task.place(self.physics, ids, starts, plants)
@@ -168,11 +168,13 @@ class EpisodeLoop:
         if not self.started and len(ids) < self.num_envs:
             raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
 
-    def step(self, action: Array) -> Step:
+    def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """One control period of every environment.
 
         Args:
             action: (N, joints) torques over their limits; beyond ±1 they are clipped and counted.
+            idle: (N) which environments only wait for their reset, diverged or not: neither their actions
+                nor what they return mean anything. None for none of them.
 
         Returns:
             observations and judgement after the step.
@@ -182,10 +184,12 @@ class EpisodeLoop:
             NonFiniteError: NaN or infinity in the action; nothing was changed.
             EpisodeError: an environment that was not reset, or has diverged.
         """
-        if not self._playable:
-            raise EpisodeError(self._why_not_playable())
         if action.shape != self._limit.shape:
             raise ShapeError("action", action.shape, f"{self._limit.shape}")
+        if idle is not None:
+            action = np.where(idle[:, None], 0.0, action)
+        if not self._playable:
+            self._pass_over(np.zeros_like(self._unplayable) if idle is None else idle)
         saturated: NDArray[Any] | int = 0
         inside = np.abs(action) < 1.0
         if not all_true(inside):
@@ -220,31 +224,22 @@ class EpisodeLoop:
             info[:, terms + 3] = np.sqrt(np.vecdot(force, force))
             info[:, terms + 4] = info[:, terms + 3] > self._force_bound
         truncated = elapsed >= self._horizon
-        observation = self._observe()
-        outside = np.abs(truth[:, : 2 * self.joints]) > self._bound
-        if not (np.count_nonzero(outside) or self.physics.any_unstable):
-            terminated = np.zeros(self.num_envs, dtype=np.bool_)
-            return Step(observation, np.add.reduce(contributions, axis=1), terminated, truncated, info)
-        diverged = np.logical_or.reduce(outside, axis=1) | self.physics.unstable
-        return self._diverged(observation, diverged, truncated, info, terms)
-
-    def _diverged(
-        self,
-        observation: Array,
-        terminated: NDArray[np.bool_],
-        truncated: NDArray[np.bool_],
-        info: Array,
-        terms: int,
-    ) -> Step:
-        """A step in which some environments left the declared bounds: no reward, a bounded observation."""
-        self._unplayable |= terminated
-        self._playable = False
-        info[terminated, :terms] = 0.0
-        low, high = self._space.low, self._space.high
-        bounded = np.clip(observation, low, high)
-        observation = np.where(terminated[:, None], bounded, observation)
+        terminated = self._diverged()
+        if not self._playable:
+            info[terminated, :terms] = 0.0
+            truncated &= ~terminated
         reward = np.add.reduce(info[:, :terms], axis=1)
-        return Step(observation, reward, terminated, truncated & ~terminated, info)
+        return Step(self._observe(), reward, terminated, truncated, info)
+
+    def _diverged(self) -> NDArray[np.bool_]:
+        """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
+        outside = np.abs(self.truth[:, : 2 * self.joints]) > self._bound
+        if not (np.count_nonzero(outside) or self.physics.any_unstable):
+            return np.zeros(self.num_envs, dtype=np.bool_)
+        diverged: NDArray[np.bool_] = np.logical_or.reduce(outside, axis=1) | self.physics.unstable
+        self._unplayable |= diverged
+        self._playable = False
+        return diverged
 
     def _measure(self) -> Array:
         """What is true now, new; judged fields as the task last left them."""
@@ -254,14 +249,24 @@ class EpisodeLoop:
         return truth
 
     def _observe(self) -> Array:
-        """The reading of what is true now, new."""
+        """The reading of what is true now, new; within the declared bounds where an environment diverged."""
         observation: Array = self.truth.copy() if self._all_observed else self.truth[self._observed].copy()
         self._sensors.read(observation)
+        if not self._playable:
+            which = self._unplayable
+            observation[which] = np.clip(observation[which], self._space.low, self._space.high)
         return observation
 
-    def _why_not_playable(self) -> str:
-        which = np.flatnonzero(self._unplayable).tolist()
-        return f"environments {which} cannot be stepped: never reset, or diverged; call reset first."
+    def _pass_over(self, idle: NDArray[np.bool_]) -> None:
+        """Put diverged environments that only wait at rest, so that the others can be stepped."""
+        stuck = np.flatnonzero(self._unplayable & ~idle).tolist()
+        if stuck:
+            raise EpisodeError(
+                f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
+            )
+        ids = np.flatnonzero(self._unplayable)
+        home = np.zeros((len(ids), self.joints))
+        self.physics.reset(ids, home, home)
 
     @property
     def started(self) -> bool:

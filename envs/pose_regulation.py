@@ -5,6 +5,7 @@ import numpy as np
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.pose_task import PoseTask
 from prp_gym.envs.reference_draws import Draw
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.robot.arrays import Array
 
 
@@ -26,3 +27,9 @@ class PoseRegulationEnv(PRPEnv):
     """
 
     task_class = PoseRegulation
+
+
+class PoseRegulationVectorEnv(PRPVectorEnv):
+    """Many of `PoseRegulationEnv`, stepped together."""
+
+    environment_class = PoseRegulationEnv

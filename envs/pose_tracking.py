@@ -8,6 +8,7 @@ from prp_gym.envs.config import describe
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.pose_task import PoseTask
 from prp_gym.envs.reference_draws import Draw, StartOptions
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.trajectory import QuinticWaypoints
@@ -60,3 +61,9 @@ class PoseTrackingEnv(PRPEnv):
 
     task_class = PoseTracking
     options_class = PoseTrackingOptions
+
+
+class PoseTrackingVectorEnv(PRPVectorEnv):
+    """Many of `PoseTrackingEnv`, stepped together."""
+
+    environment_class = PoseTrackingEnv

@@ -11,13 +11,18 @@ class EnvironmentEntry:
 
     Attributes:
         id: for `gymnasium.make`.
-        entry_point: `module:class`, imported on first use.
+        entry_point: `module:class` of the single environment, imported on first use.
         summary: one line for listings.
     """
 
     id: str
     entry_point: str
     summary: str
+
+    @property
+    def vector_entry_point(self) -> str:
+        """`module:class` of many of them together."""
+        return f"{self.entry_point.removesuffix('Env')}VectorEnv"
 
 
 ENVIRONMENTS = (
@@ -79,4 +84,6 @@ def register_environments() -> None:
     """Make the ids known to Gymnasium; done by `import prp_gym`."""
     for entry in ENVIRONMENTS:
         if entry.id not in gymnasium.registry:
-            gymnasium.register(entry.id, entry_point=entry.entry_point)
+            gymnasium.register(
+                entry.id, entry_point=entry.entry_point, vector_entry_point=entry.vector_entry_point
+            )

@@ -123,7 +123,7 @@ def test_refused_start_changes_nothing(scenario: str) -> None:
     for step, action in enumerate(actions(300)):
         if step in (0, 100, 260):
             with pytest.raises(JointLimitError):
-                loop.reset(np.array([1, 2]), generators([8, 9]), {"goal": np.array([0.0, 0.5, 0.0])})
+                loop.reset(np.array([1, 2]), generators([8, 9]), {"goal": np.tile([0.0, 0.5, 0.0], (2, 1))})
         assert_rows_equal(loop.step(action), [twin.step(action)])
 
 
@@ -229,7 +229,7 @@ def test_joints_beyond_their_stops_are_counted(scenario: str) -> None:
     loop.reset(EVERYONE, generators(EVERYONE), NONE)
     middle = np.array([0.5, -0.15, np.pi / 2])
     for index, speed in enumerate(outward):
-        start = {"joint_position": np.where(speed != 0.0, stops, middle), "joint_velocity": speed}
+        start = {"joint_position": np.where(speed != 0.0, stops, middle)[None], "joint_velocity": speed[None]}
         loop.reset(np.array([index]), generators([index]), start)
     counted = loop.step(np.zeros((N, 3))).info[:, -REPORTED["cost_joint_stop"]]
     stopping = loop.task.scenario.joint_stops

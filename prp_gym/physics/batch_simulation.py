@@ -9,6 +9,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.physics.clock import stop_clock_once
 from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
 from prp_gym.robot.arrays import Array
 
@@ -88,6 +89,7 @@ class Simulation(ABC):
         """What may differ between simulations."""
 
     def _build(self) -> None:
+        stop_clock_once()
         model, layout, count = self._compile(), self._sensor_layout(), self.num_simulations
         self._batch = Batch(model, count, self.num_threads, persistent=count <= _PERSISTENT_UP_TO)
         self._position: Array = self._batch.bind("qpos")

@@ -55,7 +55,7 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
     return "\n".join(
         [
             '<mujoco model="prp">',
-            opening(world.timestep, parameters.gravity, ratio),
+            opening(world.timestep, parameters.gravity, world.surface, ratio),
             _arm(parameters, world),
             _surface_body() if world.surface else "",
             "</worldbody>",

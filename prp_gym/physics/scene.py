@@ -13,7 +13,7 @@ CAMERAS = ("overview", "top")
 _OPTIONS = """
 <compiler angle="radian" autolimits="false"/>
 <option timestep="{timestep!r}" integrator="Euler" cone="elliptic" impratio="{ratio!r}"
-        gravity="0 0 {gravity!r}"/>
+        gravity="0 0 {gravity!r}"><flag contact="{contact}"/></option>
 <statistic center="0.15 -0.1 0.2" extent="1.0"/>
 <visual>
   <headlight ambient="0.30 0.30 0.30" diffuse="0.25 0.25 0.25" specular="0.05 0.05 0.05"/>
@@ -55,18 +55,20 @@ def check_timestep(timestep: float) -> float:
     return float(timestep)
 
 
-def opening(timestep: float, gravity: float, impedance_ratio: float = 1.0) -> str:
+def opening(timestep: float, gravity: float, contact: bool = False, impedance_ratio: float = 1.0) -> str:
     """A document's options and scenery, up to the robot in its world body.
 
     Args:
         timestep: of the integration, which is semi-implicit Euler [s].
         gravity: its magnitude, along -z [m/s^2].
+        contact: whether anything can touch anything; where nothing can, MuJoCo need not look.
         impedance_ratio: MuJoCo's `impratio`.
 
     Returns:
         The text; the caller closes `worldbody`.
     """
-    options = _OPTIONS.format(timestep=timestep, gravity=0.0 - gravity, ratio=impedance_ratio)
+    flag = "enable" if contact else "disable"
+    options = _OPTIONS.format(timestep=timestep, gravity=0.0 - gravity, ratio=impedance_ratio, contact=flag)
     return options + _SCENERY.replace("@FLOOR@", repr(FLOOR_HEIGHT))
 
 

@@ -1,0 +1,199 @@
+"""What one environment and many together have in common: keywords, task, loop, pictures."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.checks import as_numbers
+from prp_gym.envs.config import RENDER_MODES, EnvConfig
+from prp_gym.envs.info import InfoField
+from prp_gym.envs.loop import EpisodeLoop, LoopState
+from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
+from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.rendering import Mark, OffscreenRenderer, WindowRenderer, force_arrow
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.link import Link
+from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.task import Task
+
+_VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
+
+
+class EnvState(NamedTuple):
+    """Saved environments; see `PRPEnv.get_state`."""
+
+    loop: LoopState
+    config: EnvConfig
+    options: object
+    generators: tuple[Mapping[str, Any], ...]
+
+
+class LoopEnvironment:
+    """N environments around one loop, and what they were made with."""
+
+    config: EnvConfig
+    options: object
+    _loop: EpisodeLoop
+    _renderer: OffscreenRenderer | WindowRenderer | None = None
+
+    @property
+    def observation_layout(self) -> ObservationLayout:
+        """Where each field lies in an observation."""
+        return self._loop.task.layout
+
+    @property
+    def physics(self) -> Simulation:
+        """The simulated world, with one simulation an environment."""
+        return self._loop.physics
+
+    @property
+    def task(self) -> Task[Any]:
+        """What is asked of the robot."""
+        return self._loop.task
+
+    @property
+    def arm(self) -> PRPArm | Link:
+        """The nominal robot: the model that policies may know, whatever the plant really is."""
+        return self._loop.task.model
+
+    @property
+    def torque_limit(self) -> Array:
+        """Joint torques at action 1 (joints) [N m, N, N m]."""
+        return self._loop.torque_limit.copy()
+
+    @property
+    def control_frequency(self) -> float:
+        """Actions a second [Hz]."""
+        return self.config.control_frequency
+
+    @property
+    def info_fields(self) -> tuple[InfoField, ...]:
+        """The numbers that `step` returns in `info`, with unit and meaning."""
+        return self._loop.info_fields
+
+    @property
+    def duration(self) -> float:
+        """Length of an episode [s]."""
+        return self.config.duration
+
+    def checked_options(self, options: Mapping[str, Any], num_envs: int) -> dict[str, Array]:
+        """Reset options as numbers.
+
+        Args:
+            options: by name, one value for all of several environments or one an environment (N, *shape).
+            num_envs: N; 1 for an environment of its own, which takes one value.
+
+        Returns:
+            (N, *shape) by name.
+
+        Raises:
+            UnknownNameError: an option that the task does not take.
+            ShapeError: an option of another shape.
+            NonFiniteError: NaN or infinity in an option.
+            InvalidValueError: not a dictionary, or values that are no numbers.
+        """
+        if not isinstance(options, Mapping):
+            raise InvalidValueError("reset options", options, "a dictionary")
+        checked = {}
+        for name, value in options.items():
+            if name not in self.task.reset_options:
+                raise UnknownNameError("reset option", name, self.task.reset_options)
+            values = as_numbers(f"reset option {name!r}", value)
+            shape = self.task.reset_options[name].shape
+            each = (num_envs, *shape)
+            if values.shape != shape and (num_envs == 1 or values.shape != each):
+                expected = f"{shape}" if num_envs == 1 else f"{shape} or {each}"
+                raise ShapeError(f"reset option {name!r}", values.shape, expected)
+            if not np.isfinite(values).all():
+                raise NonFiniteError(f"reset option {name!r}", values.tolist())
+            checked[name] = np.broadcast_to(values, each)
+        return checked
+
+    def picture(self, index: int) -> NDArray[Any]:
+        """One environment as (height, width, 3) uint8, or as (height, width) float32 distances [m].
+
+        Raises:
+            EpisodeError: made without a `render_mode`, or never reset.
+            RenderingError: nothing can be drawn on this machine.
+        """
+        config, physics = self.config, self.physics
+        self.require_pictures()
+        if not isinstance(self._renderer, OffscreenRenderer):
+            self._renderer = OffscreenRenderer(physics.model(), config.width, config.height, config.camera)
+        depth = config.render_mode == "depth_array"
+        return self._renderer.draw(physics.data(index), self.marks(index), depth=depth)
+
+    def require_pictures(self) -> None:
+        """Refuse to draw without a `render_mode` or an episode.
+
+        Raises:
+            EpisodeError: made without a `render_mode`, or never reset.
+        """
+        if self.config.render_mode is None:
+            raise EpisodeError(
+                f"render() needs a render_mode at make time, one of {', '.join(RENDER_MODES)}."
+            )
+        self.require_started("render")
+
+    def marks(self, index: int) -> list[Mark]:
+        """What is drawn beside one environment's robot: goal, reference path, contact force."""
+        marks = self.task.marks(index, self.duration)
+        force = self.physics.contact_force[index]
+        if np.any(force):
+            marks.append(force_arrow(self.physics.tip_position[index], force))
+        return marks
+
+    def require_started(self, method: str) -> None:
+        """Refuse what needs an episode before there is one.
+
+        Raises:
+            EpisodeError: no episode has begun.
+        """
+        if not self._loop.started:
+            raise EpisodeError(f"{method}() needs an episode: call reset() first.")
+
+    def save(self, generators: tuple[np.random.Generator, ...]) -> EnvState:
+        """Copy of all that determines how the environments go on, their generators included.
+
+        Raises:
+            EpisodeError: never reset.
+        """
+        self.require_started("get_state")
+        states = tuple(dict(generator.bit_generator.state) for generator in generators)
+        return EnvState(self._loop.get_state(), self.config, self.options, states)
+
+    def restore(self, state: EnvState, generators: tuple[np.random.Generator, ...]) -> Array:
+        """Go back to a saved state, bit for bit.
+
+        Args:
+            state: from `save` of these environments or of such made with the same keywords.
+            generators: (N) that are put back too.
+
+        Returns:
+            the observations (N, size).
+
+        Raises:
+            InvalidValueError: a state of environments of another kind or number, or made with other keywords.
+        """
+        if type(state.loop.rest["task"]) is not type(self.task):
+            found = type(state.loop.rest["task"]).__name__
+            raise InvalidValueError("saved state's task", found, type(self.task).__name__)
+        if (replace(state.config, **_VIEW), state.options) != (replace(self.config, **_VIEW), self.options):
+            raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
+        observation = self._loop.set_state(state.loop)
+        for generator, saved in zip(generators, state.generators, strict=True):
+            generator.bit_generator.state = dict(saved)
+        return observation
+
+    def close_pictures(self) -> None:
+        """Free window and drawing context."""
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_renderer": None}

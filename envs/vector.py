@@ -1,0 +1,291 @@
+"""`PRPVectorEnv`: many environments of one task, stepped together on MuJoCo's native threads."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any, ClassVar, NamedTuple
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from prp_gym.envs.checks import as_numbers, whole
+from prp_gym.envs.config import RENDER_MODES, parse_keywords
+from prp_gym.envs.environment import PRPEnv
+from prp_gym.envs.generators import Generators, Seeds
+from prp_gym.envs.loop import EpisodeLoop, Step
+from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
+from prp_gym.envs.vector_info import Mask, final_info, start_info, step_info
+from prp_gym.envs.view import EnvironmentView
+from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError, UnknownNameError
+from prp_gym.robot.arrays import Array
+
+_MASK = "reset_mask"
+
+Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
+
+
+class VectorState(NamedTuple):
+    """Saved environments, and which of them wait for their reset; see `PRPVectorEnv.get_state`."""
+
+    environments: EnvState
+    ended: Mask
+
+
+class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[Any], NDArray[Any]]):
+    """N environments of one task.
+
+    Environment i gives, bit for bit, what an environment of its own with the same seed and actions gives,
+    whatever N and the number of threads. Observations, rewards and `info` are new arrays at every step.
+
+    Args:
+        num_envs: N.
+        num_threads: that step the physics; 0 takes all cores.
+        autoreset_mode: when an episode that ended begins anew: with the next step (`NextStep`), within the
+            same step (`SameStep`, the last observation is `info["final_obs"]`), or when `reset` is called
+            with `options={"reset_mask": ...}` (`Disabled`).
+        keywords: those of the single environment; every environment has the same.
+
+    Raises:
+        PRPError: a keyword that does not exist or a value that is not allowed.
+    """
+
+    environment_class: ClassVar[type[PRPEnv]]
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        num_threads: int = 0,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        **keywords: object,
+    ) -> None:
+        kind = self.environment_class
+        self.config, self.options = parse_keywords(keywords, kind.options_class)
+        if self.config.render_mode == "human":
+            modes = ", ".join(mode for mode in RENDER_MODES if mode != "human")
+            raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")
+        self.num_envs = whole("num_envs", num_envs, 1)
+        threads = whole("num_threads", num_threads, 0)
+        self._mode = _mode(autoreset_mode)
+        task = kind.make_task(self.config, self.options)
+        self._loop = EpisodeLoop(task, self.config, self.num_envs, threads)
+        self._names = tuple(field.name for field in self._loop.info_fields)
+        self._generators = Generators(self.num_envs)
+        self._ended = np.zeros(self.num_envs, dtype=np.bool_)
+        self._describe()
+
+    def _describe(self) -> None:
+        """Gymnasium's attributes."""
+        rate = max(1, round(self.config.control_frequency))
+        modes = [mode for mode in RENDER_MODES if mode != "human"]
+        self.metadata = {"render_modes": modes, "render_fps": rate, "autoreset_mode": self._mode}
+        self.render_mode = self.config.render_mode
+        self.single_observation_space = self._loop.task.layout.space()
+        self.single_action_space = gymnasium.spaces.Box(-1.0, 1.0, (self._loop.joints,), np.float32)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+
+    @cached_property
+    def envs(self) -> tuple[EnvironmentView, ...]:
+        """The environments one by one (N), to look at."""
+        return tuple(EnvironmentView(self, index) for index in range(self.num_envs))
+
+    @property
+    def truth(self) -> Array:
+        """What is true now (N, size), laid out as `task.truth_layout`; policies see the observation."""
+        return self._loop.truth.copy()
+
+    @property
+    def commanded_torque(self) -> Array:
+        """Joint torques that the last actions asked for, within the limits (N, joints) [N m, N, N m]."""
+        return self._loop.commanded_torque.copy()
+
+    @property
+    def applied_torque(self) -> Array:
+        """Joint torques that acted in the last step (N, joints) [N m, N, N m]."""
+        return np.array(self.physics.torque)
+
+    @property  # type: ignore[misc]
+    def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
+        """The environments' own generators (N)."""
+        return self._generators.all
+
+    @property
+    def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
+        """The seeds of the environments' generators (N)."""
+        return self._generators.seeds
+
+    def reset(
+        self, *, seed: Seeds = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Start an episode in every environment, or in some.
+
+        Args:
+            seed: of the generators: one number gives environment i the seed `seed + i`; or one an
+                environment; None leaves a generator as it is.
+            options: values that replace what is drawn, as `task.reset_options` declares them, one for
+                all environments or one an environment (N, ...); and `reset_mask` (N), which environments to
+                reset, all by default. The others go on as they were.
+
+        Returns:
+            the observations (N, size) and an `info` with the time [s].
+
+        Raises:
+            UnknownNameError: an option that the task does not take.
+            ShapeError: an option or seeds of another shape.
+            NonFiniteError: NaN or infinity in an option.
+            InvalidValueError: a mask that is none, or that leaves out what was never reset.
+            JointLimitError: a start or goal outside the joint limits.
+        """
+        asked = dict(options or {})
+        mask = self._mask(asked.pop(_MASK, np.ones(self.num_envs, dtype=np.bool_)))
+        checked, seeds = self.checked_options(asked, self.num_envs), self._generators.own_seeds(seed)
+        for index in np.flatnonzero(mask):
+            if seeds[index] is not None:
+                self._generators.seed(int(index), seeds[index])
+        observation = self._begin(mask, checked)
+        self._ended[mask] = False
+        return observation, start_info(mask)
+
+    def _begin(self, mask: Mask, options: Mapping[str, Array]) -> Array:
+        """Start episodes; the observations of all."""
+        ids = np.flatnonzero(mask)
+        generators = [self._generators[int(index)] for index in ids]
+        return self._loop.reset(ids, generators, {name: values[ids] for name, values in options.items()})
+
+    def _mask(self, mask: object) -> Mask:
+        values = np.asarray(mask)
+        if values.shape != (self.num_envs,):
+            raise ShapeError(_MASK, values.shape, f"({self.num_envs},)")
+        if values.dtype != np.bool_ or not values.any():
+            raise InvalidValueError(_MASK, values.tolist(), "truth values, at least one of them True")
+        return values
+
+    def step(self, actions: NDArray[Any]) -> Steps:
+        """One control period of every environment.
+
+        Args:
+            actions: (N, joints) torques over their limits; beyond ±1 they are clipped and counted in `info`.
+                Those of environments that begin anew with this step do not count.
+
+        Returns:
+            observations (N, size), rewards (N) [s], whether a simulation diverged (N), whether a duration is
+            over (N), and `info`: as a single environment's, an array (N) and a mask (N) a number.
+
+        Raises:
+            ShapeError: another shape.
+            NonFiniteError: NaN or infinity in an action.
+            EpisodeError: before the first `reset`; with autoreset disabled, after the end of an episode.
+        """
+        values = as_numbers("actions", actions)
+        if values.shape != self.action_space.shape:
+            raise ShapeError("actions", values.shape, f"{self.action_space.shape}")
+        ended = self._ended
+        waiting = bool(np.count_nonzero(ended))
+        if waiting and self._mode is AutoresetMode.DISABLED:
+            which = np.flatnonzero(ended).tolist()
+            raise EpisodeError(f"the episodes of environments {which} have ended: reset them (reset_mask).")
+        if self._mode is AutoresetMode.SAME_STEP:
+            return self._same_step(self._loop.step(values))
+        if waiting:
+            return self._next_step(values, ended)
+        return self._finished(self._loop.step(values), ~ended)
+
+    def _finished(self, step: Step, stepped: Mask) -> Steps:
+        """A step of some environments, after which nothing begins anew."""
+        self._ended = step.terminated | step.truncated
+        info = step_info(self._names, step.info, stepped)
+        return step.observation, step.reward, step.terminated, step.truncated, info
+
+    def _next_step(self, values: Array, begins: Mask) -> Steps:
+        """A step in which some environments begin anew."""
+        if begins.all():
+            observation, nothing = self._begin(begins, {}), np.zeros(self.num_envs)
+            self._ended = np.zeros_like(begins)
+            return observation, nothing, ~begins, ~begins, start_info(begins)
+        step = self._loop.step(values, begins)
+        step = Step(
+            self._begin(begins, {}),
+            np.where(begins, 0.0, step.reward),
+            step.terminated & ~begins,
+            step.truncated & ~begins,
+            step.info,
+        )
+        outcome = self._finished(step, ~begins)
+        outcome[-1]["_time"] |= begins
+        return outcome
+
+    def _same_step(self, step: Step) -> Steps:
+        """A step after which episodes that ended begin anew."""
+        ended = step.terminated | step.truncated
+        stepped = ~ended
+        info = step_info(self._names, step.info, stepped)
+        if stepped.all():
+            return step.observation, step.reward, step.terminated, step.truncated, info
+        info |= final_info(self._names, step.info, step.observation, ended)
+        if "time" in info:
+            info["_time"] |= ended
+        else:
+            info |= start_info(ended)
+        return self._begin(ended, {}), step.reward, step.terminated, step.truncated, info
+
+    def render(self) -> tuple[NDArray[Any], ...]:
+        """A picture of every environment; see `PRPEnv.render`."""
+        return tuple(self.picture(index) for index in range(self.num_envs))
+
+    def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
+        """An attribute of every environment, or what it returns where it is a method."""
+        found = [view.get_wrapper_attr(name) for view in self.envs]
+        return tuple(item(*arguments, **keywords) if callable(item) else item for item in found)
+
+    def get_attr(self, name: str) -> tuple[Any, ...]:
+        """An attribute of every environment."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of every environment, to one value or, from a list or tuple, to one each.
+
+        Raises:
+            ShapeError: another number of values.
+        """
+        each = values if isinstance(values, (list, tuple)) else [values] * self.num_envs
+        if len(each) != self.num_envs:
+            raise ShapeError(f"values of {name!r}", (len(each),), f"one, or ({self.num_envs},)")
+        for view, value in zip(self.envs, each, strict=True):
+            view.set_wrapper_attr(name, value)
+
+    def close_extras(self, **_: Any) -> None:
+        """Free the drawing context."""
+        self.close_pictures()
+
+    def get_state(self) -> VectorState:
+        """Copy of all that determines how the environments go on, their generators included.
+
+        Raises:
+            EpisodeError: never reset.
+        """
+        return VectorState(self.save(self.np_random), self._ended.copy())
+
+    def set_state(self, state: VectorState) -> Array:
+        """Go back to a saved state, bit for bit.
+
+        Args:
+            state: from `get_state` of these environments or of such made with the same keywords.
+
+        Returns:
+            the observations (N, size).
+
+        Raises:
+            InvalidValueError: a state of environments of another kind or number, or made with other keywords.
+        """
+        observation = self.restore(state.environments, self.np_random)
+        self._ended = state.ended.copy()
+        return observation
+
+
+def _mode(mode: AutoresetMode | str) -> AutoresetMode:
+    try:
+        return AutoresetMode(mode)
+    except ValueError:
+        raise UnknownNameError("autoreset_mode", mode, [known.value for known in AutoresetMode]) from None

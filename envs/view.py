@@ -1,0 +1,121 @@
+"""One of many environments, to look at."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import EpisodeError
+from prp_gym.robot.arrays import Array
+
+if TYPE_CHECKING:
+    import gymnasium
+
+    from prp_gym.envs.vector import PRPVectorEnv
+
+_SHARED = frozenset(
+    (
+        *("arm", "config", "control_frequency", "duration", "info_fields", "metadata"),
+        *(
+            "observation_layout",
+            "observation_space",
+            "options",
+            "render_mode",
+            "spec",
+            "task",
+            "torque_limit",
+        ),
+    )
+)
+
+
+class EnvironmentView:
+    """What an environment of its own would show, of one among many; it is stepped with the others alone.
+
+    What all have in common (spaces, task, limits, ...) is that of the vector environment. Attributes may be
+    added, for a user's own purposes.
+
+    Args:
+        together: the environments.
+        index: of this one.
+    """
+
+    def __init__(self, together: "PRPVectorEnv", index: int) -> None:
+        self._together = together
+        self.index = index
+
+    @property
+    def unwrapped(self) -> "EnvironmentView":
+        """Itself."""
+        return self
+
+    @property
+    def truth(self) -> Array:
+        """What is true now (size), laid out as `task.truth_layout`."""
+        return np.array(self._together.truth[self.index])
+
+    @property
+    def commanded_torque(self) -> Array:
+        """Joint torques that the last action asked for (joints) [N m, N, N m]."""
+        return np.array(self._together.commanded_torque[self.index])
+
+    @property
+    def applied_torque(self) -> Array:
+        """Joint torques that acted in the last step (joints) [N m, N, N m]."""
+        return np.array(self._together.applied_torque[self.index])
+
+    @property
+    def np_random(self) -> np.random.Generator:
+        """The environment's own generator."""
+        return self._together.np_random[self.index]
+
+    @property
+    def np_random_seed(self) -> int | None:
+        """The seed of that generator."""
+        return self._together.np_random_seed[self.index]
+
+    @property
+    def observation_space(self) -> "gymnasium.Space[Any]":
+        """Of one environment."""
+        return self._together.single_observation_space
+
+    @property
+    def action_space(self) -> "gymnasium.Space[Any]":
+        """Of one environment."""
+        return self._together.single_action_space
+
+    def render(self) -> NDArray[Any]:
+        """A picture of this environment; see `PRPEnv.render`."""
+        return self._together.picture(self.index)
+
+    def reset(self, **_: object) -> None:
+        """Refused: one among many is reset through them."""
+        raise EpisodeError(
+            "one of many environments is reset through them: reset(options={'reset_mask': ...})."
+        )
+
+    def step(self, _: object) -> None:
+        """Refused: one among many is stepped with them."""
+        raise EpisodeError(
+            "one of many environments is stepped with them: call the vector environment's step."
+        )
+
+    def close(self) -> None:
+        """Nothing of its own to free."""
+
+    def get_wrapper_attr(self, name: str) -> Any:
+        """An attribute by its name; there are no wrappers."""
+        return getattr(self, name)
+
+    def has_wrapper_attr(self, name: str) -> bool:
+        """Whether there is such an attribute."""
+        return hasattr(self, name)
+
+    def set_wrapper_attr(self, name: str, value: Any) -> None:
+        """Set an attribute by its name."""
+        setattr(self, name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _SHARED:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return getattr(self._together, name)
