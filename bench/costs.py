@@ -91,7 +91,7 @@ class Parts:
         start = time.perf_counter()
         for index in range(self._horizon):
             step(self._actions[index % len(self._actions)])
-        return (time.perf_counter() - start) / self._horizon / self.place.num_envs
+        return float((time.perf_counter() - start) / (self._horizon * self.place.num_envs))
 
     def _time_law(self) -> float:
         self._begin_loop()
