@@ -130,7 +130,7 @@ def show(results: Mapping[str, Any]) -> None:
 def _rich(sheet: Sheet) -> Table:
     table = Table(title=sheet.title, title_justify="left")
     for index, header in enumerate(sheet.headers):
-        table.add_column(header, justify="left" if index == 0 else "right")
+        table.add_column(header, justify="left" if index < sheet.texts else "right")
     for row in sheet.rows:
         table.add_row(*row)
     return table

@@ -53,7 +53,10 @@ def _titled(sheet: Sheet) -> str:
 
 
 def _markdown(sheet: Sheet) -> str:
-    lines = [_line(sheet.headers), "|" + " --- |" + " ---: |" * (len(sheet.headers) - 1)]
+    lines = [
+        _line(sheet.headers),
+        "|" + " --- |" * sheet.texts + " ---: |" * (len(sheet.headers) - sheet.texts),
+    ]
     return "\n".join([*lines, *map(_line, sheet.rows)]) + "\n"
 
 
@@ -80,7 +83,10 @@ def missed_text(asked: Sequence[Goal], facts: Mapping[str, str]) -> str:
     limits = tomllib.loads((_HERE / "limits.toml").read_text(encoding="utf-8"))
     parts = []
     for key, group in groupby(missed, key=lambda goal: goal.key):
-        what = "; ".join(f"{goal.what}, {goal.how}" for goal in group)
+        hows: dict[str, list[str]] = {}
+        for goal in group:
+            hows.setdefault(goal.what, []).append(goal.how)
+        what = "; ".join(f"{name} ({' and '.join(found)})" for name, found in hows.items())
         text = " ".join(Template(limits[key]).substitute(facts).split())
         parts.append(f"**Missed: {what}.** {text}")
     return "\n\n".join(parts)

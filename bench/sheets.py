@@ -1,16 +1,22 @@
 """The tables of the benchmark, made from its results alone."""
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from bench.goals import goals
+import numpy as np
+
+from bench.goals import AS_SHIPPED, WITHOUT_CLOCK, goals
 from bench.names import contender_name, count_text, frequency_text, is_as_shipped, substeps
+from bench.rounds import ALL_CORES, Label, find, ratios
+from bench.single import PLACES
 
 Results = Mapping[str, Any]
 Rows = Sequence[Mapping[str, Any]]
 
 NOT_MEASURED = "-"
+_CLOCKS = ((AS_SHIPPED, True), (WITHOUT_CLOCK, False))
 
 
 @dataclass(frozen=True)
@@ -22,12 +28,14 @@ class Sheet:
         title: for people.
         headers: of the columns; the first holds names.
         rows: cells.
+        texts: how many of the first columns hold text; the others hold figures.
     """
 
     name: str
     title: str
     headers: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    texts: int = 1
 
 
 def goal_sheet(results: Results) -> Sheet:
@@ -48,7 +56,9 @@ def goal_sheet(results: Results) -> Sheet:
                 "met" if goal.met else "missed",
             )
         )
-    return Sheet("goals", "goals", ("what", "clock", "goal", "reached", "over the rounds", ""), tuple(rows))
+    return Sheet(
+        "goals", "goals", ("what", "clock", "goal", "reached", "over the rounds", ""), tuple(rows), 2
+    )
 
 
 def _pairs(rows: Rows) -> dict[tuple[Any, ...], dict[bool, Mapping[str, Any]]]:
@@ -85,7 +95,7 @@ def single_sheet(name: str, title: str, rows: Rows, peers: Rows = ()) -> Sheet:
             )
         )
     headers = ("loop", "environment", "control", "substeps", "steps/s as shipped", "over the rounds")
-    return Sheet(name, title, (*headers, "clock the other way"), tuple(cells))
+    return Sheet(name, title, (*headers, "clock the other way"), tuple(cells), 2)
 
 
 def peer_sheet(results: Results) -> Sheet:
@@ -93,7 +103,7 @@ def peer_sheet(results: Results) -> Sheet:
     part = results["peers"]
     sheet = single_sheet("peers", "peers, one core", part["rates"], part["peers"])
     missing = [_missing(peer) for peer in part["peers"] if peer["reason"]]
-    return Sheet(sheet.name, sheet.title, sheet.headers, (*sheet.rows, *missing))
+    return Sheet(sheet.name, sheet.title, sheet.headers, (*sheet.rows, *missing), 2)
 
 
 def _missing(peer: Mapping[str, Any]) -> tuple[str, ...]:
@@ -119,6 +129,25 @@ def vector_sheets(results: Results) -> Iterator[Sheet]:
         yield Sheet("vector", title, ("", *(f"N = {count}" for count in counts)), cells)
 
 
+def share_sheet(results: Results) -> Sheet:
+    """How near environments come to the bare loop of the same models, in the same rounds."""
+    single, vector = results["single"], results["vector"]
+    counts = sorted({row["num_envs"] for row in vector if row["kind"] == "native"})
+    cells = []
+    for (environment, frequency), (how, clock) in itertools.product(PLACES, _CLOCKS):
+        bare = Label("bare", environment, frequency, clock=clock)
+        shares = [ratios(single, Label("single", environment, frequency), bare)]
+        for count in counts:
+            own = Label("native", environment, frequency, count, ALL_CORES)
+            shares.append(ratios(vector, own, replace(bare, kind="bare_all_cores")))
+        scaling = find(vector, replace(bare, kind="bare_all_cores"))["median"] / find(single, bare)["median"]
+        texts = (f"{np.median(share):.2f}" for share in shares)
+        cells.append((environment, f"{frequency:g} Hz", how, *texts, f"{scaling:.2f}"))
+    headers = ("environment", "control", "clock", "single", *(f"N = {count}" for count in counts))
+    title = "rates over those of bare mj_step, on one core for the single environment and on all for N"
+    return Sheet("shares", title, (*headers, "bare, all cores over one"), tuple(cells), 3)
+
+
 def training_sheet(results: Results) -> Sheet:
     """Training, and where its time goes."""
     cells = []
@@ -134,6 +163,7 @@ def training_sheet(results: Results) -> Sheet:
         "training with Stable-Baselines3",
         (*headers, "updates", "environment steps", "policy", "other"),
         tuple(cells),
+        3,
     )
 
 
@@ -200,4 +230,5 @@ _BY_PART: Mapping[str, Callable[[Results], Iterator[Sheet]]] = {
 def sheets(results: Results) -> list[Sheet]:
     """The tables of the parts that a run measured, the goals first."""
     found = [sheet for part, make in _BY_PART.items() if part in results for sheet in make(results)]
-    return [goal_sheet(results), *found]
+    shares = [share_sheet(results)] if {"single", "vector"} <= set(results) else []
+    return [goal_sheet(results), *found, *shares]
