@@ -23,7 +23,7 @@ from prp_gym.robot.arrays import Array
 LAWS = {FREE: "joint_inverse_dynamics", CONTACT: "impedance"}
 FREQUENCY = 500.0
 _OBSERVATIONS = 200
-_MOST_STEPS = 2500
+_MOST_STEPS = 500
 
 Step = Callable[[Any], object]
 
@@ -140,7 +140,7 @@ def time_resets(effort: Effort, sizes: Sequence[int]) -> list[dict[str, Any]]:
     for environment in LAWS:
         for count in sizes:
             reset, one = _resets(environment, count)
-            turns = [{"all": reset() / count, "one": one()} for _ in range(4 * effort.vector_rounds)]
+            turns = [{"all": reset() / count, "one": one()} for _ in range(effort.vector_rounds)]
             rows.append({"environment": environment, "num_envs": count, "seconds": _medians(turns)})
     return rows
 

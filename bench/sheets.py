@@ -11,6 +11,7 @@ from bench.goals import AS_SHIPPED, WITHOUT_CLOCK, goals
 from bench.names import contender_name, count_text, frequency_text, is_as_shipped, substeps
 from bench.rounds import ALL_CORES, Label, find, ratios
 from bench.single import PLACES
+from prp_gym.robot.arrays import Array
 
 Results = Mapping[str, Any]
 Rows = Sequence[Mapping[str, Any]]
@@ -129,20 +130,27 @@ def vector_sheets(results: Results) -> Iterator[Sheet]:
         yield Sheet("vector", title, ("", *(f"N = {count}" for count in counts)), cells)
 
 
+def _median(values: Array) -> str:
+    return f"{np.median(values):.2f}"
+
+
 def share_sheet(results: Results) -> Sheet:
     """How near environments come to the bare loop of the same models, in the same rounds."""
     single, vector = results["single"], results["vector"]
-    counts = sorted({row["num_envs"] for row in vector if row["kind"] == "native"})
+    native = [row for row in vector if row["kind"] == "native"]
+    places = {(row["environment"], row["control_frequency"], row["num_envs"]) for row in native}
+    counts = sorted({row["num_envs"] for row in native})
     cells = []
     for (environment, frequency), (how, clock) in itertools.product(PLACES, _CLOCKS):
         bare = Label("bare", environment, frequency, clock=clock)
-        shares = [ratios(single, Label("single", environment, frequency), bare)]
+        shares = [_median(ratios(single, Label("single", environment, frequency), bare))]
         for count in counts:
             own = Label("native", environment, frequency, count, ALL_CORES)
-            shares.append(ratios(vector, own, replace(bare, kind="bare_all_cores")))
+            measured = (environment, frequency, count) in places
+            other = replace(bare, kind="bare_all_cores")
+            shares.append(_median(ratios(vector, own, other)) if measured else NOT_MEASURED)
         scaling = find(vector, replace(bare, kind="bare_all_cores"))["median"] / find(single, bare)["median"]
-        texts = (f"{np.median(share):.2f}" for share in shares)
-        cells.append((environment, f"{frequency:g} Hz", how, *texts, f"{scaling:.2f}"))
+        cells.append((environment, f"{frequency:g} Hz", how, *shares, f"{scaling:.2f}"))
     headers = ("environment", "control", "clock", "single", *(f"N = {count}" for count in counts))
     title = "rates over those of bare mj_step, on one core for the single environment and on all for N"
     return Sheet("shares", title, (*headers, "bare, all cores over one"), tuple(cells), 3)

@@ -26,6 +26,8 @@ from prp_gym.physics.clock import read_clock
 
 _PERIODS_BETWEEN_RESTARTS = 5
 _STEPS_A_CHUNK = 1024  # of single environments
+_ONE_THREAD = (64, 1024)
+_LONG = (CONTACT, 500.0)  # its largest sizes would take minutes to be spread
 
 
 @dataclass(frozen=True)
@@ -158,11 +160,12 @@ def labels(effort: Effort) -> Iterator[Label]:
         yield Label("dummy", FREE, frequency, effort.library_size)
         yield Label("adapter", FREE, frequency, effort.library_size, ALL_CORES)
         for environment in (FREE, CONTACT):
-            for count in effort.loop_sizes:
+            long = (environment, frequency) == _LONG
+            for count in effort.loop_sizes[: 1 if long else None]:
                 yield Label("sync", environment, frequency, count)
-            for count in effort.sizes:
+            for count in effort.sizes[: -1 if long else None]:
                 yield Label("native", environment, frequency, count, ALL_CORES)
-                if count in (64, 1024):
+                if count in _ONE_THREAD:
                     yield Label("native", environment, frequency, count, 1)
 
 

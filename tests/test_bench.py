@@ -123,6 +123,19 @@ def test_episodes_are_spread_over_their_length_before_they_are_timed(kind: str) 
     assert set(gaps.tolist()) <= {_HORIZON // count, _HORIZON // count + 1}  # a call begins an episode anew
 
 
+@pytest.mark.parametrize(
+    ("kind", "spread"), [("native", [4]), ("sync", [4]), ("dummy", [4]), ("adapter", [])]
+)
+def test_all_but_the_adapter_are_spread_before_they_are_timed(
+    kind: str, spread: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: list[int] = []
+    monkeypatch.setattr(vector, "stagger", lambda pack, actions: found.append(len(actions[0])))
+    _, close = vector.step_loop(Label(kind, FREE, 50.0, 4), QUICK.duration)
+    close()
+    assert found == spread
+
+
 def test_call_that_begins_an_episode_anew_is_no_step() -> None:
     label = Label("native", FREE, 50.0, 4)
     chunk, close = vector.step_loop(label, _HORIZON / 50)
