@@ -1,13 +1,16 @@
 """Memory that each environment of a vector environment takes, from processes that hold nothing else."""
 
+import itertools
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
+from bench.cores import count_cores
 from bench.rounds import CONTACT, FREE, Effort
 
 _STEPS = 3
@@ -23,17 +26,23 @@ def resident_bytes() -> int:
 
 def measure(effort: Effort) -> list[dict[str, Any]]:
     """Bytes an environment: what N of them take beyond a single one, over N - 1."""
-    rows = []
-    for environment in (FREE, CONTACT):
-        least = _in_process(environment, 1)
-        for count in sorted(effort.sizes)[-2:]:
-            if count > 1:
-                each = (_in_process(environment, count) - least) / (count - 1)
-                rows.append({"environment": environment, "num_envs": count, "bytes_per_env": each})
-    return rows
+    counts = [1, *(count for count in sorted(effort.sizes)[-2:] if count > 1)]
+    places = list(itertools.product((FREE, CONTACT), counts))
+    with ThreadPoolExecutor(count_cores()) as pool:
+        taken = dict(zip(places, pool.map(_in_process, places), strict=True))
+    return [
+        {
+            "environment": environment,
+            "num_envs": count,
+            "bytes_per_env": (taken[environment, count] - taken[environment, 1]) / (count - 1),
+        }
+        for environment, count in places
+        if count > 1
+    ]
 
 
-def _in_process(environment: str, count: int) -> int:
+def _in_process(place: tuple[str, int]) -> int:
+    environment, count = place
     command = [sys.executable, "-m", "bench.memory", environment, str(count)]
     return int(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()[-1])
 
