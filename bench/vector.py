@@ -1,8 +1,11 @@
 """Vector environments against N: ours, Gymnasium's and Stable-Baselines3's, in free space and in contact.
 
-Episodes are spread evenly over their length before anything is timed, by restarting the environments one
-group after the other, so that every moment holds its share of all phases of an episode and of its ends. A
-Gymnasium vector environment spends one call of an episode on its restart, which is not counted as a step.
+Our own few environments play whole episodes, which begin and end together. With other contenders that would
+take too long: their episodes are spread evenly over their length before anything is timed, by restarting the
+environments one group after the other, so that every moment holds its share of all phases of an episode and
+of its ends. For loops over single environments it is all the same; our own would rather reset many at once.
+
+A Gymnasium vector environment spends one call of an episode on its restart, which is not counted as a step.
 """
 
 import itertools
@@ -27,6 +30,7 @@ from prp_gym.physics.clock import read_clock
 _PERIODS_BETWEEN_RESTARTS = 5
 _STEPS_A_CHUNK = 1024  # of single environments
 _ONE_THREAD = (64, 1024)
+_WHOLE_UP_TO = 64  # environments; more take too long
 _LONG = (CONTACT, 500.0)  # its largest sizes would take minutes to be spread
 
 
@@ -114,16 +118,20 @@ def stagger(pack: Pack, actions: Sequence[Any]) -> None:
             pack.step(next(turn))
 
 
+def plays_whole_episodes(label: Label) -> bool:
+    """Whether a chunk is an episode of all environments, ended at once, as users of this suite have it."""
+    return label.kind == "adapter" or (label.kind == "native" and label.num_envs <= _WHOLE_UP_TO)
+
+
 def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Callable[[], None]]:
     """A chunk of steps of many environments, which returns their number; and what ends them."""
     pack = make_pack(label, duration)
     actions = list(random_actions(label.num_envs, pack.joints))
     turn = itertools.cycle(actions)
-    calls = max(1, _STEPS_A_CHUNK // label.num_envs)
-    if label.kind == "adapter":
-        calls = pack.horizon  # whole episodes: it offers no restart of some
-    else:
+    calls = pack.calls
+    if not plays_whole_episodes(label):
         stagger(pack, actions)
+        calls = max(1, _STEPS_A_CHUNK // label.num_envs)
     steps = calls * label.num_envs * pack.horizon / pack.calls
 
     def chunk() -> float:

@@ -124,23 +124,47 @@ def test_episodes_are_spread_over_their_length_before_they_are_timed(kind: str) 
 
 
 @pytest.mark.parametrize(
-    ("kind", "spread"), [("native", [4]), ("sync", [4]), ("dummy", [4]), ("adapter", [])]
+    ("kind", "count", "spread"),
+    [("native", 64, []), ("native", 65, [65]), ("sync", 4, [4]), ("dummy", 4, [4]), ("adapter", 4, [])],
 )
-def test_all_but_the_adapter_are_spread_before_they_are_timed(
-    kind: str, spread: list[int], monkeypatch: pytest.MonkeyPatch
+def test_contenders_are_spread_unless_they_play_whole_episodes(
+    kind: str, count: int, spread: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found: list[int] = []
     monkeypatch.setattr(vector, "stagger", lambda pack, actions: found.append(len(actions[0])))
-    _, close = vector.step_loop(Label(kind, FREE, 50.0, 4), QUICK.duration)
+    _, close = vector.step_loop(Label(kind, FREE, 50.0, count), QUICK.duration)
     close()
     assert found == spread
 
 
 def test_call_that_begins_an_episode_anew_is_no_step() -> None:
-    label = Label("native", FREE, 50.0, 4)
-    chunk, close = vector.step_loop(label, _HORIZON / 50)
+    chunk, close = vector.step_loop(Label("sync", FREE, 50.0, 4), _HORIZON / 50)
     assert chunk() == pytest.approx(1024 * _HORIZON / (_HORIZON + 1))  # rounding
     close()
+
+
+@pytest.mark.parametrize("kind", ["native", "adapter"])
+def test_whole_episodes_are_played_to_their_end(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    ends: list[bool] = []
+    make_pack = vector.make_pack
+
+    def watched(label: Label, duration: float) -> vector.Pack:
+        pack = make_pack(label, duration)
+
+        def step(actions: Array) -> object:
+            outcome: Any = pack.step(actions)
+            ends.append(bool(np.all(outcome[3] if kind == "native" else outcome[2])))
+            return outcome
+
+        return replace(pack, step=step)
+
+    monkeypatch.setattr(vector, "make_pack", watched)
+    chunk, close = vector.step_loop(Label(kind, FREE, 50.0, 4), _HORIZON / 50)
+    for _ in range(2):
+        assert chunk() == pytest.approx(4 * _HORIZON)  # rounding
+    close()
+    assert np.flatnonzero(ends).tolist() == [_HORIZON - 1, len(ends) // 2 + _HORIZON - 1]
+    assert len(ends) == 2 * (_HORIZON + (kind == "native"))
 
 
 def test_every_part_of_a_step_is_timed_on_the_same_episode() -> None:
