@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: evaluate reproduce test lint type bench docs pictures sweep clean
+.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep clean
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
@@ -23,8 +23,11 @@ lint: $(VENV)/.dev
 type: $(VENV)/.dev
 	$(BIN)/mypy
 
-bench: $(VENV)/.dev
-	$(BIN)/python -m bench.single_env
+bench: $(VENV)/.dev peers
+	$(BIN)/python -m bench
+
+peers: $(VENV)/.dev
+	$(BIN)/python -m bench.peers
 
 sweep: $(VENV)/.dev
 	$(BIN)/python -m bench.sweep_gains
@@ -36,7 +39,7 @@ pictures: $(VENV)/.dev
 	$(BIN)/python -m docs.pictures
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results
+	rm -rf $(VENV) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -1,0 +1,54 @@
+"""How contenders are called in tables and pictures."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from bench.rounds import REACHER
+
+Row = Mapping[str, Any]
+
+_KINDS = {
+    "bare": "bare mj_step",
+    "bare_all_cores": "bare mj_step on all cores",
+    "single": "single environment",
+    "sync": "SyncVectorEnv",
+    "async": "AsyncVectorEnv",
+    "dummy": "DummyVecEnv",
+    "adapter": "make_sb3_vec_env",
+}
+_REACHER_SUBSTEPS = 2
+_SUBSTEPS_PER_SECOND = 1000
+
+
+def contender_name(row: Row) -> str:
+    """What runs."""
+    if row["kind"] == "native":
+        return "native, all cores" if row["threads"] == 0 else "native, one thread"
+    return _KINDS[row["kind"]]
+
+
+def is_as_shipped(row: Row) -> bool:
+    """Whether MuJoCo's clock runs as it does for users: this suite stops it, all others read it."""
+    own = row["environment"].startswith("PRP-") and not row["kind"].startswith("bare")
+    return bool(row["clock"] != own)
+
+
+def frequency_text(row: Row) -> str:
+    """Rate of control."""
+    return f"{row['control_frequency']:g} Hz"
+
+
+def substeps(row: Row, peers: Sequence[Row] = ()) -> str:
+    """Steps of the physics in a step of the environment."""
+    for peer in peers:
+        if peer["environment"] == row["environment"]:
+            return str(peer["substeps"])
+    if row["environment"] == REACHER:
+        return str(_REACHER_SUBSTEPS)
+    return f"{_SUBSTEPS_PER_SECOND / row['control_frequency']:g}"
+
+
+def count_text(value: float) -> str:
+    """A rate [1/s] with three figures and a comma between thousands."""
+    digits = max(0, len(str(int(value))) - 3)
+    return f"{round(value, -digits):,.0f}"

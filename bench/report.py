@@ -1,0 +1,105 @@
+"""`docs/performance.md`, made from the results of the benchmark alone."""
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from bench.goals import Goal, goals
+from bench.plot import draw
+from bench.rounds import FREE, LARGE_PPO
+from bench.sheets import Sheet, sheets
+from bench.single import ACTION_SHARE
+from prp_gym.evaluation.results import write_file
+
+Results = Mapping[str, Any]
+
+PARTS = ("single", "vector", "peers", "training", "costs", "memory")
+"""Without which there is no page."""
+
+_HERE = Path(__file__).parent
+_VERSIONS = ("python", "prp-gym", "gymnasium", "mujoco", "numpy", "stable_baselines3", "torch")
+
+
+def write_page(results: Results, folder: Path) -> None:
+    """Write `performance.md` and `images/throughput.png`.
+
+    Raises:
+        OutputError: the folder cannot be written to.
+    """
+    write_file(folder / "images" / "throughput.png", draw(results["vector"]))
+    write_file(folder / "performance.md", page(results).encode())
+
+
+def page(results: Results) -> str:
+    """The page as Markdown."""
+    texts: dict[str, str] = {}
+    for name, group in groupby(sheets(results), key=lambda sheet: sheet.name):
+        texts[name] = "\n".join(map(_titled if name == "vector" else _markdown, group)).rstrip()
+    effort = results["effort"]
+    facts = {
+        "machine": machine_text(results),
+        "missed": missed_text(goals(results), numbers(results)),
+        "action_share": f"{ACTION_SHARE:g}",
+        **{name: f"{effort[name]:g}" for name in ("rounds", "vector_rounds", "seconds", "duration")},
+    }
+    return Template((_HERE / "page.md").read_text(encoding="utf-8")).substitute(texts | facts)
+
+
+def _titled(sheet: Sheet) -> str:
+    return f"### {sheet.title}\n\n{_markdown(sheet)}"
+
+
+def _markdown(sheet: Sheet) -> str:
+    lines = [
+        _line(sheet.headers),
+        "|" + " --- |" * sheet.texts + " ---: |" * (len(sheet.headers) - sheet.texts),
+    ]
+    return "\n".join([*lines, *map(_line, sheet.rows)]) + "\n"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def machine_text(results: Results) -> str:
+    """The machine and the versions on it, in a sentence's part."""
+    machine, versions = results["machine"], results["versions"]
+    load = ", ".join(f"{value:.2f}" for value in machine["load_average"])
+    with_ = ", ".join(f"{name} {versions[name]}" for name in _VERSIONS)
+    return (
+        f"{machine['processor']}, {machine['cores']} cores, {machine['system']} {machine['architecture']},"
+        f" load average {load} at the start; {with_}"
+    )
+
+
+def missed_text(asked: Sequence[Goal], facts: Mapping[str, str]) -> str:
+    """What limits the goals that were missed."""
+    missed = [goal for goal in asked if not goal.met]
+    if not missed:
+        return "Every goal is met."
+    limits = tomllib.loads((_HERE / "limits.toml").read_text(encoding="utf-8"))
+    parts = []
+    for key, group in groupby(missed, key=lambda goal: goal.key):
+        hows: dict[str, list[str]] = {}
+        for goal in group:
+            hows.setdefault(goal.what, []).append(goal.how)
+        what = "; ".join(f"{name} ({' and '.join(found)})" for name, found in hows.items())
+        text = " ".join(Template(limits[key]).substitute(facts).split())
+        parts.append(f"**Missed: {what}.** {text}")
+    return "\n\n".join(parts)
+
+
+def numbers(results: Results) -> dict[str, str]:
+    """Figures that the texts on limits name."""
+    steps = [row for row in results["costs"]["steps"] if row["environment"] == FREE]
+    single, many = steps[0], steps[-1]
+    facts = {"vector_size": str(many["num_envs"])}
+    for prefix, row in (("single", single), ("vector", many)):
+        facts |= {f"{prefix}_{part}": f"{1e6 * value:.1f}" for part, value in row["seconds"].items()}
+    ours = next(row for row in results["training"][LARGE_PPO] if row["kind"] == "adapter")
+    facts["ppo_train"] = f"{100 * ours['shares']['train']:.0f}"
+    facts["ppo_env"] = f"{100 * ours['shares']['env_step']:.0f}"
+    return facts

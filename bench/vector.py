@@ -1,0 +1,183 @@
+"""Vector environments against N: ours, Gymnasium's and Stable-Baselines3's, in free space and in contact.
+
+Our own few environments play whole episodes, which begin and end together. With other contenders that would
+take too long: their episodes are spread evenly over their length before anything is timed, by restarting the
+environments one group after the other, so that every moment holds its share of all phases of an episode and
+of its ends. For loops over single environments it is all the same; our own would rather reset many at once.
+
+A Gymnasium vector environment spends one call of an episode on its restart, which is not counted as a step.
+"""
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AsyncVectorEnv, VectorEnv
+from numpy.typing import NDArray
+from stable_baselines3.common.env_util import make_vec_env
+from stable_baselines3.common.vec_env import VecEnv
+
+import prp_gym
+from bench import cores
+from bench.rounds import ALL_CORES, CONTACT, FREE, REACHER, Contender, Effort, Label, timed
+from bench.single import FREQUENCIES, REACHER_FREQUENCY, both_clocks, keywords, random_actions
+from prp_gym.physics.clock import read_clock
+
+_PERIODS_BETWEEN_RESTARTS = 5
+_STEPS_A_CHUNK = 1024  # of single environments
+_ONE_THREAD = (64, 1024)
+_WHOLE_UP_TO = 64  # environments; more take too long
+_LONG = (CONTACT, 500.0)  # its largest sizes would take minutes to be spread
+
+
+@dataclass(frozen=True)
+class Pack:
+    """N environments that step together, with their resets.
+
+    Attributes:
+        step: takes actions (N, joints).
+        restart: those of a mask (N).
+        horizon: steps of an episode.
+        calls: of `step` that an episode takes.
+        joints: of an action.
+        close: ends them.
+    """
+
+    step: Callable[[Any], object]
+    restart: Callable[[NDArray[np.bool_]], object]
+    horizon: int
+    calls: int
+    joints: int
+    close: Callable[[], None]
+
+
+def gymnasium_pack(env: VectorEnv[Any, Any, Any], horizon: int) -> Pack:
+    """Any vector environment of Gymnasium's kind, reset in the step after an episode's end."""
+    env.reset(seed=0)
+    joints = env.single_action_space.shape[0]  # type: ignore[index]
+
+    def restart(mask: NDArray[np.bool_]) -> object:
+        return env.reset(options={"reset_mask": mask})
+
+    return Pack(env.step, restart, horizon, horizon + 1, joints, env.close)
+
+
+def library_pack(env: VecEnv, horizon: int) -> Pack:
+    """Any vector environment of Stable-Baselines3's kind, reset in the step that ends an episode."""
+    env.seed(0)
+    env.reset()
+    singles = getattr(env, "envs", ())
+
+    def restart(mask: NDArray[np.bool_]) -> None:
+        for index in np.flatnonzero(mask):
+            singles[index].reset()
+
+    return Pack(env.step, restart, horizon, horizon, env.action_space.shape[0], env.close)  # type: ignore[index]
+
+
+def make_pack(label: Label, duration: float) -> Pack:
+    """The environments of a label."""
+    name, count, settings = label.environment, label.num_envs, keywords(label, duration)
+    horizon = round(label.control_frequency * duration) if settings else _own_horizon(name)
+    if label.kind == "dummy":
+        return library_pack(make_vec_env(name, count, env_kwargs=settings), horizon)
+    if label.kind == "adapter":
+        adapter: VecEnv = prp_gym.make_sb3_vec_env(name, count, num_threads=label.threads, **settings)
+        return library_pack(adapter, horizon)
+    if label.kind == "native":
+        native = gymnasium.make_vec(name, num_envs=count, num_threads=label.threads, **settings)
+        return gymnasium_pack(native, horizon)
+    if label.kind == "async":
+        return gymnasium_pack(AsyncVectorEnv([partial(_in_worker, label, settings)] * count), horizon)
+    return gymnasium_pack(gymnasium.make_vec(name, count, vectorization_mode="sync", **settings), horizon)
+
+
+def _own_horizon(name: str) -> int:
+    return gymnasium.spec(name).max_episode_steps or 1
+
+
+def _in_worker(label: Label, settings: dict[str, Any]) -> gymnasium.Env[Any, Any]:
+    """An environment whose process keeps or stops MuJoCo's clock."""
+    env = gymnasium.make(label.environment, **settings)
+    read_clock(label.clock)
+    return env
+
+
+def stagger(pack: Pack, actions: Sequence[Any]) -> None:
+    """Spread the environments evenly over an episode's length."""
+    count = len(actions[0])
+    groups = max(1, min(count, pack.horizon // _PERIODS_BETWEEN_RESTARTS))
+    of_group, turn = np.arange(count) % groups, itertools.cycle(actions)
+    for group in range(groups):
+        pack.restart(of_group == group)
+        for _ in range(pack.horizon // groups):
+            pack.step(next(turn))
+
+
+def plays_whole_episodes(label: Label) -> bool:
+    """Whether a chunk is an episode of all environments, ended at once, as users of this suite have it."""
+    return label.kind == "adapter" or (label.kind == "native" and label.num_envs <= _WHOLE_UP_TO)
+
+
+def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Callable[[], None]]:
+    """A chunk of steps of many environments, which returns their number; and what ends them."""
+    pack = make_pack(label, duration)
+    actions = list(random_actions(label.num_envs, pack.joints))
+    turn = itertools.cycle(actions)
+    calls = pack.calls
+    if not plays_whole_episodes(label):
+        stagger(pack, actions)
+        calls = max(1, _STEPS_A_CHUNK // label.num_envs)
+    steps = calls * label.num_envs * pack.horizon / pack.calls
+
+    def chunk() -> float:
+        for _ in range(calls):
+            pack.step(next(turn))
+        return steps
+
+    return chunk, pack.close
+
+
+def contender(label: Label, duration: float) -> list[Contender]:
+    """A vector environment, with and without MuJoCo's clock."""
+    if label.kind == "async":  # the clock is that of the processes
+        return [_contender(replace(label, clock=clock), duration) for clock in (True, False)]
+    chunk, close = step_loop(label, duration)
+    first, second = both_clocks(label, timed(chunk))
+    return [first, replace(second, close=close)]
+
+
+def _contender(label: Label, duration: float) -> Contender:
+    chunk, close = step_loop(label, duration)
+    return Contender(label, timed(chunk), close)
+
+
+def labels(effort: Effort) -> Iterator[Label]:
+    """Every vector environment; those with processes of their own first, while there are no threads."""
+    least = min(effort.loop_sizes)
+    yield Label("async", REACHER, REACHER_FREQUENCY, least)
+    yield from (Label("async", FREE, frequency, least) for frequency in FREQUENCIES)
+    for count in effort.loop_sizes:
+        yield Label("sync", REACHER, REACHER_FREQUENCY, count)
+    yield Label("dummy", REACHER, REACHER_FREQUENCY, effort.library_size)
+    for frequency in FREQUENCIES:
+        yield Label("dummy", FREE, frequency, effort.library_size)
+        yield Label("adapter", FREE, frequency, effort.library_size, ALL_CORES)
+        for environment in (FREE, CONTACT):
+            long = (environment, frequency) == _LONG
+            for count in effort.loop_sizes[: 1 if long else None]:
+                yield Label("sync", environment, frequency, count)
+            for count in effort.sizes[: -1 if long else None]:
+                yield Label("native", environment, frequency, count, ALL_CORES)
+                if count in _ONE_THREAD:
+                    yield Label("native", environment, frequency, count, 1)
+
+
+def contenders(effort: Effort) -> list[Contender]:
+    """Vector environments, and the bare loops on all cores."""
+    found = [one for label in labels(effort) for one in contender(label, effort.duration)]
+    return [*found, *cores.contenders(effort)]
