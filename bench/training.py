@@ -92,6 +92,7 @@ class Shares:
 def make_model(recipe: Recipe, label: Label, duration: float) -> BaseAlgorithm:
     """An untrained agent."""
     settings = keywords(label, duration)
+    env: Any
     if label.kind == "adapter":
         env = prp_gym.make_sb3_vec_env(label.environment, label.num_envs, num_threads=ALL_CORES, **settings)
     elif label.num_envs > 1:

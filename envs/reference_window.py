@@ -40,7 +40,7 @@ class ReferenceWindow:
         if not self.started or len(ids) == len(self._everyone):
             self._fill(sampler)
         else:
-            self._rows[:, ids] = sampler(self._times(ids), ids)
+            self._rows[self._tick - self._first :, ids] = sampler(self._times(ids), ids)
 
     def advance(self, sampler: Sampler) -> None:
         """Go on by one period."""
@@ -70,7 +70,7 @@ class ReferenceWindow:
         self._rows = sampler(self._times(self._everyone), self._everyone)
 
     def _times(self, ids: NDArray[np.intp]) -> Array:
-        """(length, n) times since each environment's start [s]; before the start, 0."""
-        ahead = np.arange(self._first, self._first + self._length) - self._tick
-        times: Array = np.maximum(ahead[:, None] + self._elapsed[ids], 0.0) * self._period
+        """Times since each environment's start, from now to the window's end (periods, n) [s]."""
+        ahead = np.arange(self._first + self._length - self._tick)
+        times: Array = (ahead[:, None] + self._elapsed[ids]) * self._period
         return times
