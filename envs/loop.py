@@ -17,7 +17,7 @@ from prp_gym.envs.reference_window import ReferenceWindow
 from prp_gym.envs.sensors import make_sensors
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.batch_simulation import PhysicsState
-from prp_gym.robot.arrays import Array, all_true
+from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
@@ -92,8 +92,8 @@ class EpisodeLoop:
         self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
         self._playable = False
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
-        self._bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
-        self.physics.watch(self._bound)
+        bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
+        self.physics.watch(bound)
         self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
         self._substeps = config.substeps
         self._space = task.layout.space()
@@ -180,7 +180,7 @@ class EpisodeLoop:
             self._pass_over(np.zeros_like(self._unplayable) if idle is None else idle)
         saturated = None
         inside = np.abs(action) < self._full
-        if not all_true(inside):
+        if np.count_nonzero(inside) < inside.size:
             self._require_finite(action)
             action = np.clip(action, -1.0, 1.0)
             saturated = ~inside
@@ -211,10 +211,10 @@ class EpisodeLoop:
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
-        outside = np.abs(self.truth[:, : 2 * self.joints]) > self._bound
-        diverged: NDArray[np.bool_] = np.logical_or.reduce(outside, axis=1) | self.physics.unstable
-        self._unplayable |= diverged
-        self._playable = self._playable and not diverged.any()
+        diverged = self.physics.out_of_bounds
+        if np.count_nonzero(diverged):
+            self._unplayable |= diverged
+            self._playable = False
         return diverged
 
     def _measure(self) -> Array:

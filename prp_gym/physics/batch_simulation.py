@@ -177,18 +177,28 @@ class Simulation(ABC):
         return flags
 
     def watch(self, bound: Array) -> None:
-        """Set the joint positions and velocities (2n), in magnitude, beyond which nothing is `calm`."""
+        """Set the joint positions and velocities (2n), in magnitude, that are the simulations' bounds."""
         self._watched = bound
         self._threshold[:, : 2 * self.joint_count] = bound
 
     @property
     def calm(self) -> bool:
-        """Whether all joints are within their stops and what is watched, and no simulation is `unstable`.
+        """Whether no joint is beyond its stop and no simulation is out of bounds.
 
         So it mostly is, and asking is faster than asking for each.
         """
         beyond = np.abs(self._sensors) > self._threshold
         return not (np.count_nonzero(beyond) or np.count_nonzero(self._warnings != self._no_warning))
+
+    @property
+    def out_of_bounds(self) -> NDArray[np.bool_]:
+        """(N,), whether a simulation is beyond the bounds that are watched, or `unstable`."""
+        joints = np.s_[:, : 2 * self.joint_count]
+        beyond = np.abs(self._sensors[joints]) > self._threshold[joints]
+        if np.count_nonzero(beyond) or np.count_nonzero(self._warnings != self._no_warning):
+            flags: NDArray[np.bool_] = np.logical_or.reduce(beyond, axis=1) | self.unstable
+            return flags
+        return np.zeros(self.num_simulations, dtype=np.bool_)
 
     @property
     def stop_violation(self) -> Array:

@@ -20,11 +20,6 @@ def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
     return array
 
 
-def all_true(flags: NDArray[np.bool_]) -> bool:
-    """Whether all flags are set; on small arrays several times faster than `flags.all()`."""
-    return int(np.count_nonzero(flags)) == flags.size
-
-
 def matrix_like(reference: Array, rows: int, columns: int) -> Array:
     """Zeros of shape `reference`'s leading dimensions + (rows, columns)."""
     return np.zeros((*reference.shape[:-1], rows, columns))
