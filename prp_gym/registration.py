@@ -85,5 +85,8 @@ def register_environments() -> None:
     for entry in ENVIRONMENTS:
         if entry.id not in gymnasium.registry:
             gymnasium.register(
-                entry.id, entry_point=entry.entry_point, vector_entry_point=entry.vector_entry_point
+                entry.id,
+                entry_point=entry.entry_point,
+                vector_entry_point=entry.vector_entry_point,
+                order_enforce=False,  # the environments do so themselves
             )

@@ -13,7 +13,7 @@ CAMERAS = ("overview", "top")
 _OPTIONS = """
 <compiler angle="radian" autolimits="false"/>
 <option timestep="{timestep!r}" integrator="Euler" cone="elliptic" impratio="{ratio!r}"
-        gravity="0 0 {gravity!r}"><flag contact="{contact}"/></option>
+        gravity="0 0 {gravity!r}"><flag contact="{contact}" island="disable"/></option>
 <statistic center="0.15 -0.1 0.2" extent="1.0"/>
 <visual>
   <headlight ambient="0.30 0.30 0.30" diffuse="0.25 0.25 0.25" specular="0.05 0.05 0.05"/>
