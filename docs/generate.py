@@ -16,7 +16,7 @@ import typer
 
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.cli import app
-from prp_gym.envs import EnvConfig, PRPEnv
+from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
 from prp_gym.envs.data import load_scenario
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import GROUPS
@@ -53,6 +53,8 @@ def environments_page() -> str:
     parts.append(_keywords(EnvConfig))
     parts.append("\n## Scenarios\n")
     parts.append(table(("name", "what it is"), ((f"`{s}`", load_scenario(s).description) for s in SCENARIOS)))
+    parts.append("\n## Many environments\n")
+    parts.append(_vector_keywords())
     parts.append("\n## Action\n")
     parts.append(
         "`Box(-1, 1, (joints,), float32)`, three joints but for PRP-Adaptive-v0: joint torques over the"
@@ -71,6 +73,20 @@ def _keywords(declaration: type[Any]) -> str:
         (f"`{e.name}`", f"`{e.default!r}`", e.metadata["unit"], e.metadata["description"]) for e in entries
     ]
     return table(("keyword", "default", "unit", "meaning"), rows)
+
+
+def _vector_keywords() -> str:
+    """What `gymnasium.make_vec` takes beside the keywords of a single environment."""
+    text = inspect.getdoc(PRPVectorEnv) or ""
+    meanings = _attributes(text, "Args")
+    rows = [
+        (f"`{name}`", f"`{getattr(entry.default, 'value', entry.default)!r}`", meanings[name])
+        for name, entry in inspect.signature(PRPVectorEnv).parameters.items()
+        if entry.kind is not inspect.Parameter.VAR_KEYWORD
+    ]
+    about = " ".join(text.split("\n\n")[1].split())
+    intro = f"`gymnasium.make_vec(id, num_envs=N, ...)` makes a `PRPVectorEnv`. {about}\n"
+    return f"{intro}\n" + table(("keyword", "default", "meaning"), rows)
 
 
 def _data_sheet(env: Any, environment_id: str) -> str:
@@ -182,10 +198,10 @@ def _default(entry: dataclasses.Field[Any]) -> str:
     return "" if entry.default is dataclasses.MISSING else f"`{entry.default!r}`"
 
 
-def _attributes(text: str) -> dict[str, str]:
-    """The attributes that a docstring describes, a description's lines joined."""
+def _attributes(text: str, heading: str = "Attributes") -> dict[str, str]:
+    """What a docstring describes under a heading, a description's lines joined."""
     described: dict[str, str] = {}
-    lines = inspect.cleandoc(text).split("Attributes:\n")[1].split("\n\n")[0].splitlines()
+    lines = inspect.cleandoc(text).split(f"{heading}:\n")[1].split("\n\n")[0].splitlines()
     for line in lines:
         if line.startswith("     "):
             described[list(described)[-1]] += " " + line.strip()
