@@ -108,7 +108,7 @@ class SB3VecEnv(VecEnv):
         observation, reward, terminated, truncated, info = self.together.step(self.actions)
         done = terminated | truncated
         columns: list[list[Any]] = [self._numbers(info, name, done) for name in self._names[:-1]]
-        columns.append((truncated & ~terminated).tolist())
+        columns.append(truncated.tolist())  # an episode that diverged is not truncated
         infos = [dict(zip(self._names, row, strict=True)) for row in zip(*columns, strict=True)]
         for index in np.flatnonzero(done):
             infos[index]["terminal_observation"] = info["final_obs"][index]

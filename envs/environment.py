@@ -63,17 +63,17 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
     @property
     def truth(self) -> Array:
         """What is true now (size), laid out as `task.truth_layout`; policies see the observation."""
-        return np.array(self._loop.truth[0])
+        return self.truth_of(0)
 
     @property
     def commanded_torque(self) -> Array:
         """Joint torques that the last action asked for, within the limits (joints) [N m, N, N m]."""
-        return np.array(self._loop.commanded_torque[0])
+        return self.commanded_torque_of(0)
 
     @property
     def applied_torque(self) -> Array:
         """Joint torques that acted in the last step, late and noisy where the scenario says so (joints)."""
-        return np.array(self.physics.torque[0])
+        return self.applied_torque_of(0)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

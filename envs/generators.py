@@ -44,7 +44,12 @@ class Generators:
     @property
     def seeds(self) -> tuple[int | None, ...]:
         """Their seeds (N)."""
-        return tuple(self._seeds[index] for index, _ in enumerate(self.all))
+        return tuple(self.seed_of(index) for index in range(len(self._made)))
+
+    def seed_of(self, index: int) -> int | None:
+        """The seed of one generator."""
+        self[index]  # draws one where none was given
+        return self._seeds[index]
 
     def own_seeds(self, seed: Seeds) -> list[int | None]:
         """A seed an environment (N): `seed + i` from one number, else as they are given.

@@ -22,7 +22,7 @@ class Judge:
     """The reward and the costs of N environments.
 
     Args:
-        task: whose errors are judged.
+        task: whose reward and fields these are.
         physics: the simulated world.
         frequency: of control [Hz].
 
@@ -32,7 +32,7 @@ class Judge:
 
     def __init__(self, task: Task[Any], physics: Simulation, frequency: float) -> None:
         num_envs = physics.num_simulations
-        self._task, self._physics = task, physics
+        self._physics = physics
         self._reward = Reward(task.numbers.reward, task.period)
         terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self._reward.terms]
         self._touches = "contact_force" in task.layout.names
@@ -47,13 +47,12 @@ class Judge:
         self._time = self._column["time"]
 
     def __call__(
-        self, truth: Array, command: Array, saturated: NDArray[np.bool_] | None, elapsed: Array, calm: bool
+        self, errors: Array, saturated: NDArray[np.bool_] | None, elapsed: Array, calm: bool
     ) -> tuple[Array, Array]:
         """Judge a step.
 
         Args:
-            truth: (N, truth_layout.size) after the step.
-            command: commanded torques (N, joints) [N m, N, N m].
+            errors: of the task (N, terms, width), in the terms' units.
             saturated: (N, joints) which actions are at or beyond the actuator limits; None for none.
             elapsed: (N) periods since each episode began.
             calm: whether no joint is beyond its stop.
@@ -62,7 +61,7 @@ class Judge:
             reward (N) [s] and `info` (N, fields).
         """
         info = np.zeros(self._shape)
-        contributions = self._reward(self._task.errors(truth, command))
+        contributions = self._reward(errors)
         info[self._terms] = contributions
         np.divide(elapsed, self._frequency, out=info[self._time])
         if saturated is not None:

@@ -96,13 +96,17 @@ class EpisodeLoop:
         self.physics.watch(bound)
         self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
         self._substeps = config.substeps
-        self._space = task.layout.space()
-        size, measured = task.layout.size, self.physics.measurement_size
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Where what is measured, referred to and observed lies in what is true."""
+        layout, measured = self.task.layout, self.physics.measurement_size
+        self._space = layout.space()
         self._shape = self.truth.shape
         self._measured = np.s_[:, :measured]
-        self._referenced = np.s_[:, measured:size]
-        self._observed = np.s_[:, :size]
-        self._all_observed = size == task.truth_layout.size
+        self._referenced = np.s_[:, measured : layout.size]
+        self._observed = np.s_[:, : layout.size]
+        self._all_observed = layout.size == self.task.truth_layout.size
 
     def reset(
         self,
@@ -177,13 +181,8 @@ class EpisodeLoop:
         if idle is not None:
             action = np.where(idle[:, None], 0.0, action)
         if not self._playable:
-            self._pass_over(np.zeros_like(self._unplayable) if idle is None else idle)
-        saturated = None
-        inside = np.abs(action) < self._full
-        if np.count_nonzero(inside) < inside.size:
-            self._require_finite(action)
-            action = np.clip(action, -1.0, 1.0)
-            saturated = ~inside
+            self._require_playable(np.zeros_like(self._unplayable) if idle is None else idle)
+        action, saturated = self._limited(action)
         command = action * self._limit
         self.commanded_torque = command
         self.physics.set_torque(self._actuators.apply(command))
@@ -195,7 +194,7 @@ class EpisodeLoop:
         self.task.complete(truth)
         self.truth = truth
         elapsed, calm = self._window.elapsed, self.physics.calm
-        reward, info = self._judge(truth, command, saturated, elapsed, calm)
+        reward, info = self._judge(self.task.errors(truth, command), saturated, elapsed, calm)
         truncated = elapsed >= self._horizon
         terminated = np.zeros(self.num_envs, dtype=np.bool_) if calm else self._diverged()
         if not self._playable:
@@ -203,11 +202,16 @@ class EpisodeLoop:
             truncated &= ~terminated
         return Step(self._observe(), reward, terminated, truncated, info)
 
-    def _require_finite(self, action: Array) -> None:
+    def _limited(self, action: Array) -> tuple[Array, NDArray[np.bool_] | None]:
+        """Actions within ±1, and which were not inside (N, joints); None where all were."""
+        inside = np.abs(action) < self._full
+        if np.count_nonzero(inside) == inside.size:
+            return action, None
         bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
         if len(bad):
             what = "action" if self.num_envs == 1 else f"action of environments {bad.tolist()}"
             raise NonFiniteError(what, action[bad].tolist())
+        return np.clip(action, -1.0, 1.0), ~inside
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
@@ -233,16 +237,13 @@ class EpisodeLoop:
             observation[which] = np.clip(observation[which], self._space.low, self._space.high)
         return observation
 
-    def _pass_over(self, idle: NDArray[np.bool_]) -> None:
-        """Put diverged environments that only wait at rest, so that the others can be stepped."""
+    def _require_playable(self, idle: NDArray[np.bool_]) -> None:
+        """Refuse to step environments that cannot be; diverged ones may wait beside the others."""
         stuck = np.flatnonzero(self._unplayable & ~idle).tolist()
         if stuck:
             raise EpisodeError(
                 f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
             )
-        ids = np.flatnonzero(self._unplayable)
-        home = np.zeros((len(ids), self.joints))
-        self.physics.reset(ids, home, home)
 
     @property
     def started(self) -> bool:

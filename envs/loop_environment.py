@@ -80,6 +80,18 @@ class LoopEnvironment:
         """Length of an episode [s]."""
         return self.config.duration
 
+    def truth_of(self, index: int) -> Array:
+        """What is true of one environment now (size), laid out as `task.truth_layout`."""
+        return np.array(self._loop.truth[index])
+
+    def commanded_torque_of(self, index: int) -> Array:
+        """Joint torques that the last action of one environment asked for, limited (joints) [N m, N, N m]."""
+        return np.array(self._loop.commanded_torque[index])
+
+    def applied_torque_of(self, index: int) -> Array:
+        """Joint torques that acted in the last step of one environment (joints) [N m, N, N m]."""
+        return np.array(self.physics.torque[index])
+
     def checked_options(
         self, options: Mapping[str, Any], leads: tuple[tuple[int, ...], ...]
     ) -> dict[str, Array]:

@@ -17,11 +17,10 @@ from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop import EpisodeLoop, Step
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
 from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
+from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
-from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError, UnknownNameError
+from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
-
-_OWN_KEYWORDS = frozenset(("num_threads", "autoreset_mode", "max_episode_steps"))
 
 Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
 
@@ -38,16 +37,20 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     Environment i gives, bit for bit, what an environment of its own with the same seed and actions gives,
     whatever N and the number of threads. Observations, rewards and `info` are new arrays at every step.
+    Up to 128 simulations keep a third of a megabyte each; more of them share what the threads need.
 
     Args:
         num_envs: N.
-        num_threads: that step the physics; 0 takes all cores.
+        num_threads: that step the physics; 0 takes all cores, one for four environments at most.
         autoreset_mode: when an episode that ended begins anew: with the next step (`NextStep`), within the
             same step (`SameStep`, the last observation is `info["final_obs"]`), or when `reset` is called
             with `options={"reset_mask": ...}` (`Disabled`).
         max_episode_steps: after which an episode is over at the latest, as Gymnasium's `TimeLimit` ends it;
             None for the `duration` alone.
         keywords: those of the single environment; every environment has the same.
+
+    Attributes:
+        generators: of the environments.
 
     Raises:
         PRPError: a keyword that does not exist or a value that is not allowed.
@@ -64,19 +67,19 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         **keywords: object,
     ) -> None:
         kind = self.environment_class
-        self.config, self.options = parse_keywords(keywords, kind.options_class, _OWN_KEYWORDS)
+        self.config, self.options = parse_keywords(keywords, kind.options_class, OWN_KEYWORDS)
         if max_episode_steps is not None:
             self.config = self.config.at_most(whole("max_episode_steps", max_episode_steps, 1))
         if self.config.render_mode == "human":
             modes = ", ".join(mode for mode in RENDER_MODES if mode != "human")
             raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")
         self.num_envs = whole("num_envs", num_envs, 1)
-        threads = whole("num_threads", num_threads, 0)
-        self._mode = _mode(autoreset_mode)
+        threads = parse_threads(num_threads, self.num_envs)
+        self._mode = parse_mode(autoreset_mode)
         task = kind.make_task(self.config, self.options)
         self._loop = EpisodeLoop(task, self.config, self.num_envs, threads)
         self._names = tuple(field.name for field in self._loop.info_fields)
-        self._generators = Generators(self.num_envs)
+        self.generators = Generators(self.num_envs)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._describe()
 
@@ -114,12 +117,12 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """The environments' own generators (N)."""
-        return self._generators.all
+        return self.generators.all
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
         """The seeds of the environments' generators (N)."""
-        return self._generators.seeds
+        return self.generators.seeds
 
     def reset(
         self, *, seed: Seeds = None, options: Mapping[str, Any] | None = None
@@ -150,10 +153,10 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         everyone = np.ones(self.num_envs, dtype=np.bool_)
         mask = checked_mask(asked.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
         checked = self.checked_options(asked, ((), (self.num_envs,)))
-        seeds = self._generators.own_seeds(seed)
+        seeds = self.generators.own_seeds(seed)
         for index in np.flatnonzero(mask):
             if seeds[index] is not None:
-                self._generators.seed(int(index), seeds[index])
+                self.generators.seed(int(index), seeds[index])
         observation = self._begin(mask, checked)
         self._ended[mask] = False
         return observation, start_info(mask)
@@ -161,7 +164,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
     def _begin(self, mask: Mask, options: Mapping[str, Array]) -> Array:
         """Start episodes; the observations of all."""
         ids = np.flatnonzero(mask)
-        generators = [self._generators[int(index)] for index in ids]
+        generators = [self.generators[int(index)] for index in ids]
         return self._loop.reset(ids, generators, {name: values[ids] for name, values in options.items()})
 
     def step(self, actions: NDArray[Any]) -> Steps:
@@ -291,10 +294,3 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         observation = self.restore(state.environments, self.np_random)
         self._ended = state.ended.copy()
         return observation
-
-
-def _mode(mode: AutoresetMode | str) -> AutoresetMode:
-    try:
-        return AutoresetMode(mode)
-    except ValueError:
-        raise UnknownNameError("autoreset_mode", mode, [known.value for known in AutoresetMode]) from None

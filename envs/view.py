@@ -15,18 +15,21 @@ if TYPE_CHECKING:
 
 _SHARED = frozenset(
     (
-        *("arm", "config", "control_frequency", "duration", "info_fields", "metadata"),
-        *(
-            "observation_layout",
-            "observation_space",
-            "options",
-            "render_mode",
-            "spec",
-            "task",
-            "torque_limit",
-        ),
+        "arm",
+        "config",
+        "control_frequency",
+        "duration",
+        "info_fields",
+        "metadata",
+        "observation_layout",
+        "options",
+        "render_mode",
+        "spec",
+        "task",
+        "torque_limit",
     )
 )
+"""What all environments have in common."""
 
 
 class EnvironmentView:
@@ -52,27 +55,27 @@ class EnvironmentView:
     @property
     def truth(self) -> Array:
         """What is true now (size), laid out as `task.truth_layout`."""
-        return np.array(self._together.truth[self.index])
+        return self._together.truth_of(self.index)
 
     @property
     def commanded_torque(self) -> Array:
         """Joint torques that the last action asked for (joints) [N m, N, N m]."""
-        return np.array(self._together.commanded_torque[self.index])
+        return self._together.commanded_torque_of(self.index)
 
     @property
     def applied_torque(self) -> Array:
         """Joint torques that acted in the last step (joints) [N m, N, N m]."""
-        return np.array(self._together.applied_torque[self.index])
+        return self._together.applied_torque_of(self.index)
 
     @property
     def np_random(self) -> np.random.Generator:
         """The environment's own generator."""
-        return self._together.np_random[self.index]
+        return self._together.generators[self.index]
 
     @property
     def np_random_seed(self) -> int | None:
         """The seed of that generator."""
-        return self._together.np_random_seed[self.index]
+        return self._together.generators.seed_of(self.index)
 
     @property
     def observation_space(self) -> "gymnasium.Space[Any]":

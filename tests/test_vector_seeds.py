@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from prp_gym.envs.vector_keywords import parse_threads
 from prp_gym.errors import InvalidValueError, ShapeError
 from tests.vector_episodes import (
     IDS,
@@ -62,7 +63,7 @@ def test_number_of_threads_changes_no_bit(environment_id: str, count: int, steps
     runs = []
     for threads in (1, 2, 3, 0):
         env = together(environment_id, num_threads=threads, **keywords)
-        assert env.physics.num_threads == threads
+        assert env.physics.num_threads == threads if threads else env.physics.num_threads >= 1
         runs.append(run_together(env, list(range(count)), some_actions(env, steps)[:, :count], AGAIN))
     for run in runs[1:]:
         assert run == runs[0]
@@ -168,3 +169,14 @@ def test_seed_that_is_no_whole_number_is_refused_and_nothing_changes(seed: Any, 
 def test_another_number_of_seeds_is_refused(seed: Any) -> None:
     with pytest.raises(ShapeError, match=r"seed has shape .*; expected one number, or \(5,\)"):
         together("PRP-Force-v0").reset(seed=seed)
+
+
+@pytest.mark.parametrize(
+    ("asked", "num_envs", "cores", "threads"),
+    [(0, 1, 8, 1), (0, 7, 8, 1), (0, 8, 8, 2), (0, 4096, 8, 8), (3, 1, 8, 3), (16, 64, 2, 16)],
+)
+def test_no_more_threads_are_taken_than_pay(
+    asked: int, num_envs: int, cores: int, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(cores)))
+    assert parse_threads(asked, num_envs) == threads

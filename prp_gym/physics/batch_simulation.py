@@ -100,7 +100,6 @@ class Simulation(ABC):
         self._applied: Array = self._torque.view()
         self._applied.flags.writeable = False
         self._sensors: Array = self._batch.bind("sensordata")
-        self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # how often
         self.measurement_size = len(layout.gain)
         self._measured = self._sensors[:, : self.measurement_size]
         self._gain, self._offset = np.tile(layout.gain, (count, 1)), np.tile(layout.offset, (count, 1))
@@ -109,16 +108,21 @@ class Simulation(ABC):
         self._tip_position: Array = self._sensors[:, layout.tip_position]
         self._contact_force = self._answer(layout.contact_force, 3)
         self._stop_violation = self._answer(layout.stop_violation, self.joint_count)
-        self._threshold = np.full(self._sensors.shape, np.inf)
-        self._threshold[:, layout.stop_violation] = 0.0
-        self._threshold[:, : 2 * self.joint_count] = self._watched
         self._fields = self._make_fields(self._batch)
         stages = mujoco.mjtStage
         in_contact = layout.contact_force != NO_COLUMNS
         self._stage = int(stages.mjSTAGE_ACC if in_contact else stages.mjSTAGE_VEL)
         self._timestep = float(model.opt.timestep)
-        self._no_warning = np.full_like(self._warnings, _NO_WARNING)
         self._batch.reset(stage=self._stage)
+        self._guard(layout)
+
+    def _guard(self, layout: SensorLayout) -> None:
+        """What `calm` compares with."""
+        self._threshold = np.full(self._sensors.shape, np.inf)
+        self._threshold[:, layout.stop_violation] = 0.0
+        self._threshold[:, : 2 * self.joint_count] = self._watched
+        self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # how often
+        self._no_warning = np.full_like(self._warnings, _NO_WARNING)
         self._warnings[:] = _NO_WARNING
 
     def _answer(self, columns: slice, width: int) -> Array:
@@ -271,7 +275,10 @@ class Simulation(ABC):
         return self._batch.get_model(simulation)
 
     def data(self, simulation: int = 0) -> mujoco.MjData:
-        """A copy of one simulation's current data, all fields computed, for rendering or study."""
+        """A copy of one simulation's current data, all fields computed, for rendering or study.
+
+        Counts of MuJoCo's warnings about bad states start from 1000, since it writes to a file at the first.
+        """
         data = self._batch.get_data(simulation)
         mujoco.mj_forward(self._batch.get_model(simulation), data)
         return data

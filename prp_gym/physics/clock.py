@@ -47,8 +47,9 @@ def clock_is_read() -> bool:
 def read_clock(wanted: bool) -> None:
     """Let simulation steps of this process read a clock or not.
 
-    Nothing is done where a user set a clock of their own (`mujoco.set_mjcb_time`), or where this build of
-    MuJoCo does not show its callback.
+    Nothing is done where a user set a clock of their own through `mujoco.set_mjcb_time`, or where this build
+    of MuJoCo does not show its callback. A clock installed through ctypes cannot be told from the module's:
+    keep it with the environment variable.
     """
     place, installed = _callback(), _installed()
     if place is not None and mujoco.get_mjcb_time() is None:
