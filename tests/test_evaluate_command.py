@@ -178,7 +178,9 @@ def test_what_was_finished_before_a_failure_is_kept(
     assert outcome(tmp_path) == expected
 
 
-@pytest.mark.parametrize(("name", "value"), [("source_digest", "0" * 64), ("list_versions", {"numpy": "1"})])
+@pytest.mark.parametrize(
+    ("name", "value"), [("source_digest", "0"), ("list_versions", {"numpy": "1"})], ids=["code", "versions"]
+)
 def test_workers_of_other_code_are_refused_and_nothing_of_theirs_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, value: Any
 ) -> None:
