@@ -39,7 +39,11 @@ def evaluate_command(
     control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
     output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
     jobs: Annotated[
-        int, typer.Option(help="Pairs at once; 1: in this process, 0: as many as there are cores.")
+        int,
+        typer.Option(
+            help="Pairs at once; 1: in this process, 0: as many as there are cores. "
+            "Compute times are those of a busy machine unless 1."
+        ),
     ] = 0,
     backend: Annotated[
         str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
@@ -75,6 +79,8 @@ def evaluate_command(
     console.print(
         "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
     )
+    if jobs != 1:
+        console.print("law µs: measured beside other work; for that of the law alone, choose --jobs 1.")
     console.print(f"results: {target}", highlight=False)
 
 
@@ -117,9 +123,10 @@ def _evaluate(pairs: list[Pair], workers: Workers, finished: FinishedPairs) -> l
         total = sum(pair.episodes for pair in pairs)
         bar = progress.add_task("evaluating", total=total, completed=sum(pair.episodes for pair in records))
         with closing(workers.run(play_pair, missing)) as played:
-            for index, record in played:
-                finished.keep(missing[index], record)
-                records[missing[index]] = record
+            for index, result in played:
+                result.check_code()
+                finished.keep(missing[index], result.record)
+                records[missing[index]] = result.record
                 progress.advance(bar, missing[index].episodes)
     return [records[pair] for pair in pairs]
 

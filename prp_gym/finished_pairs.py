@@ -2,26 +2,22 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-import prp_gym
-import prp_gym.baselines
-import prp_gym.envs
-from prp_gym.evaluation.results import list_versions, to_plain, write_json
-from prp_gym.pairs import Pair, Record
-
-_SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines)
-_SUFFIXES = (".py", ".toml")
+from prp_gym.evaluation.results import to_plain, write_json
+from prp_gym.pairs import Pair, Record, running_code
 
 
 class FinishedPairs:
     """A folder with a file a pair, each with what its record depends on and with a checksum.
 
-    A record is reused only by the code, the versions and the settings that made it.
+    A record is reused only by the code, the versions and the settings that made it. Several runs may have
+    the same folder.
 
     Args:
         folder: of the files; made with the first of them.
@@ -58,10 +54,11 @@ class FinishedPairs:
         """Remove the files of some pairs, and the folder if nothing else is in it."""
         for pair in pairs:
             path = self._path(pair)
-            for own in (path, *self._folder.glob(f".{path.name}.*.part")):  # what a kill left half written
+            parts = self._folder.glob(f".{path.name}.*.part")
+            for own in (path, *(part for part in parts if _is_left_behind(part))):
                 if own.is_file():
-                    own.unlink()
-        if self._folder.is_dir() and not any(self._folder.iterdir()):
+                    own.unlink(missing_ok=True)  # another run may have removed it just now
+        with suppress(OSError):  # not empty, or not there
             self._folder.rmdir()
 
     def _path(self, pair: Pair) -> Path:
@@ -70,7 +67,7 @@ class FinishedPairs:
 
 def _content(pair: Pair, record: Record) -> dict[str, Any]:
     """What the file of a pair with this record holds."""
-    key = {"pair": asdict(pair), "versions": list_versions(), "sources": source_digest()}
+    key = {"pair": asdict(pair), "code": running_code()}
     text = json.dumps(record, sort_keys=True)
     plain: dict[str, Any] = to_plain(
         {"key": key, "checksum": hashlib.sha256(text.encode()).hexdigest(), "record": record}
@@ -78,15 +75,17 @@ def _content(pair: Pair, record: Record) -> dict[str, Any]:
     return plain
 
 
-@cache
-def source_digest() -> str:
-    """SHA-256 over the code and data files of this package, with their names."""
-    digest = hashlib.sha256()
-    for package in _SOURCES:
-        folder = Path(str(package.__file__)).parent
-        for path in sorted(folder.rglob("*")):
-            if path.suffix in _SUFFIXES and path.is_file():
-                name = f"{package.__name__}/{path.relative_to(folder).as_posix()}"
-                digest.update(f"{name}\0{path.stat().st_size}\0".encode())
-                digest.update(path.read_bytes())
-    return digest.hexdigest()
+def _is_left_behind(part: Path) -> bool:
+    """Whether nobody writes a half written file any more: its process is this one, or is not alive."""
+    process = part.suffixes[-2].removeprefix(".")
+    if not process.isdecimal():
+        return False
+    try:
+        if int(process) != os.getpid():
+            os.kill(int(process), 0)  # asks only
+            return False
+    except ProcessLookupError:
+        return True
+    except PermissionError:  # alive, and somebody else's
+        return False
+    return True

@@ -1,15 +1,26 @@
 """What is evaluated: a law on an environment in a scenario, played in whichever process."""
 
+import hashlib
+import platform
 from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 
+import prp_gym
+import prp_gym.baselines
+import prp_gym.envs
 from prp_gym.baselines import list_baselines, make_baseline
+from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import episodes_to_play, evaluate
-from prp_gym.evaluation.results import describe_evaluation, to_plain
+from prp_gym.evaluation.results import describe_evaluation, list_versions, to_plain
+
+_SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines)
+_SUFFIXES = (".py", ".toml")
 
 Record = dict[str, Any]
 """An evaluation as the results file holds it."""
@@ -43,14 +54,62 @@ class Pair:
         return f"{self.environment_id}_{self.scenario}_{self.law}"
 
 
-def play_pair(pair: Pair) -> Record:
-    """The record of a pair, which is the same wherever it is played but for the law's compute time."""
+@dataclass(frozen=True)
+class Played:
+    """What a worker hands over.
+
+    Attributes:
+        record: of the pair.
+        code: that made the record, as `running_code` tells it there.
+        node: name of the machine.
+    """
+
+    record: Record
+    code: dict[str, str]
+    node: str
+
+    def check_code(self) -> None:
+        """Refuse a record that was not made by the code of this process.
+
+        Raises:
+            InvalidValueError: a worker runs other code or versions than this process.
+        """
+        here = running_code()
+        other = {name for name in here.keys() | self.code.keys() if here.get(name) != self.code.get(name)}
+        if other:
+            there, allowed = ({name: code.get(name) for name in sorted(other)} for code in (self.code, here))
+            raise InvalidValueError(
+                f"code of a worker on {self.node}", there, f"that of this process, which is {allowed}"
+            )
+
+
+def play_pair(pair: Pair) -> Played:
+    """Evaluate a pair; its record is the same wherever the same code plays it, but for the compute time."""
     with closing(_environment(pair.environment_id, pair.scenario, pair.control_frequency)) as env:
         policy = make_baseline(pair.law, env, pair.gains)
         evaluation = evaluate(policy, env, pair.episodes, pair.seed)
         settings = {"gains": pair.gains, **vars(policy.settings)}
         record: Record = to_plain(describe_evaluation(evaluation, pair.law, settings))
-        return record
+    return Played(record, running_code(), platform.node())
+
+
+def running_code() -> dict[str, str]:
+    """What a record depends on beside its pair: versions, and a digest of this package's files."""
+    return {**list_versions(), "sources": source_digest()}
+
+
+@cache
+def source_digest() -> str:
+    """SHA-256 over the code and data files of this package, with their names."""
+    digest = hashlib.sha256()
+    for package in _SOURCES:
+        folder = Path(str(package.__file__)).parent
+        for path in sorted(folder.rglob("*")):
+            if path.suffix in _SUFFIXES and path.is_file():
+                name = f"{package.__name__}/{path.relative_to(folder).as_posix()}"
+                digest.update(f"{name}\0{path.stat().st_size}\0".encode())
+                digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def list_pairs(

@@ -2,6 +2,7 @@
 
 import os
 import socket
+import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -60,13 +61,25 @@ class Workers:
             yield from ((index, function(item)) for index, item in enumerate(items))
             return
         with BACKENDS[self.backend](self.jobs, len(items)) as parallel:
-            yield from parallel(
+            results = parallel(
                 joblib.delayed(_numbered)(function, index, item) for index, item in enumerate(items)
             )
+            try:
+                for result in results:  # noqa: UP028 (`yield from` would close them first)
+                    yield result
+            finally:
+                _give_up(results)
 
 
 def _numbered(function: Callable[[Item], Result], index: int, item: Item) -> tuple[int, Result]:
     return index, function(item)
+
+
+def _give_up(results: Generator[object, None, None]) -> None:
+    """Close what may have results to come, of which joblib would warn: who closes it knows."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".* tasks which were still being processed", UserWarning)
+        results.close()
 
 
 def _parallel(jobs: int, **options: Any) -> Any:

@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from prp_gym import evaluate_command
+from prp_gym import evaluate_command, pairs
 from prp_gym.cli import app
-from prp_gym.errors import EpisodeError
+from prp_gym.errors import EpisodeError, InvalidValueError
 from prp_gym.finished_pairs import FinishedPairs
-from prp_gym.pairs import Pair, Record, list_pairs, play_pair
+from prp_gym.pairs import Pair, Played, Record, list_pairs, play_pair
 from tests.test_parallel import needs_ray
 
 RUNNER = CliRunner()
@@ -103,7 +103,7 @@ def test_run_that_was_killed_goes_on_where_it_stopped(tmp_path: Path, expected: 
 
 def marked(time_of_an_action: float) -> Record:
     """The record of the first pair with a time that cannot have been measured."""
-    return {**play_pair(PAIRS[0]), "compute_time_per_step": time_of_an_action}
+    return {**play_pair(PAIRS[0]).record, "compute_time_per_step": time_of_an_action}
 
 
 def first_time(folder: Path) -> float:
@@ -161,7 +161,7 @@ def test_what_was_finished_before_a_failure_is_kept(
 ) -> None:
     played: list[Pair] = []
 
-    def play(pair: Pair) -> Record:
+    def play(pair: Pair) -> Played:
         if len(played) == 2:
             raise stop
         played.append(pair)
@@ -176,3 +176,24 @@ def test_what_was_finished_before_a_failure_is_kept(
     _, error = run_here(tmp_path)
     assert error.startswith(f"2 of {len(PAIRS)} pairs")
     assert outcome(tmp_path) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("source_digest", "0"), ("list_versions", {"numpy": "1"})], ids=["code", "versions"]
+)
+def test_workers_of_other_code_are_refused_and_nothing_of_theirs_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, value: Any
+) -> None:
+    monkeypatch.setattr(pairs, name, lambda: value)  # here alone: workers import their own
+    result = RUNNER.invoke(app, ["evaluate", "--jobs", "2", "--output", str(tmp_path), *OPTIONS])
+    assert isinstance(result.exception, InvalidValueError)
+    assert str(result.exception).startswith("code of a worker on ")
+    assert list(tmp_path.glob("**/*.json")) == []
+
+
+@pytest.mark.parametrize(("jobs", "told"), [(0, True), (1, False), (2, True)])
+def test_times_measured_on_a_busy_machine_are_told_to_be_so(tmp_path: Path, jobs: int, told: bool) -> None:
+    options = ("--env", IDS[0], "--baseline", LAWS[0], "--scenario", "report", "--jobs", str(jobs))
+    result = RUNNER.invoke(app, ["evaluate", "--output", str(tmp_path), *options])
+    assert result.exit_code == 0, result.output
+    assert ("law µs: measured beside other work" in result.stdout) == told

@@ -1,17 +1,19 @@
 """Files of finished pairs: reused by what made them alone, and never believed when damaged."""
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 
 from prp_gym import finished_pairs
-from prp_gym.finished_pairs import FinishedPairs, source_digest
-from prp_gym.pairs import Pair
+from prp_gym.finished_pairs import FinishedPairs
+from prp_gym.pairs import Pair, running_code
 
 PAIR = Pair("PRP-JointTracking-v0", "randomized", "joint_pd", "tuned_50hz", 50.0, 2, 7)
 OTHER = replace(PAIR, law="adaptive")
@@ -60,13 +62,13 @@ def test_file_under_another_pairs_name_is_not_reused(tmp_path: Path, stranger: P
     assert finished.find([PAIR]) == ({}, [path])
 
 
-@pytest.mark.parametrize(("name", "value"), [("source_digest", "0" * 64), ("list_versions", {"numpy": "1"})])
+@pytest.mark.parametrize("change", [{"sources": "0" * 64}, {"numpy": "1"}], ids=str)
 def test_record_of_other_code_or_versions_is_not_reused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, value: Any
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: dict[str, str]
 ) -> None:
     finished = FinishedPairs(tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr(finished_pairs, name, lambda: value)
+        patch.setattr(finished_pairs, "running_code", lambda: running_code() | change)
         finished.keep(PAIR, RECORD)
         assert finished.find([PAIR]) == ({PAIR: RECORD}, [])
     assert finished.find([PAIR]) == ({}, [only_file(tmp_path)])
@@ -111,14 +113,64 @@ def test_folder_in_the_place_of_a_file_is_not_reused(tmp_path: Path) -> None:
     assert FinishedPairs(tmp_path).find([PAIR]) == ({}, [place])
 
 
-def test_files_are_removed_with_what_a_kill_left_half_written(tmp_path: Path) -> None:
+def half_written(folder: Path, process: int) -> Path:
+    """What a process leaves of the first pair's file when it is killed as it writes."""
+    path = folder / f".{PAIR.name}.json.{process}.part"
+    path.write_text("{")
+    return path
+
+
+def dead_process() -> int:
+    process = subprocess.Popen([sys.executable, "-c", ""])
+    process.wait()
+    return process.pid
+
+
+@pytest.mark.parametrize("process", [dead_process, os.getpid], ids=["dead", "own"])
+def test_files_are_removed_with_what_a_kill_left_half_written(
+    tmp_path: Path, process: Callable[[], int]
+) -> None:
     finished = FinishedPairs(tmp_path / "pairs")
     for pair in (PAIR, OTHER):
         finished.keep(pair, RECORD)
-    (tmp_path / "pairs" / f".{PAIR.name}.json.123.part").write_text("{")
+    half_written(tmp_path / "pairs", process())
     finished.remove([PAIR])
     assert only_file(tmp_path / "pairs").stem == OTHER.name
     finished.remove([PAIR, OTHER])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_another_run_is_writing_stays(tmp_path: Path) -> None:
+    part = half_written(tmp_path, os.getppid())
+    FinishedPairs(tmp_path).remove([PAIR])
+    assert only_file(tmp_path) == part
+
+
+def test_what_somebody_elses_process_is_writing_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def forbid(process: int, signal: int) -> NoReturn:
+        raise PermissionError(process, signal)
+
+    part = half_written(tmp_path, os.getppid())
+    monkeypatch.setattr(os, "kill", forbid)
+    FinishedPairs(tmp_path).remove([PAIR])
+    assert only_file(tmp_path) == part
+
+
+def test_file_that_another_run_removes_at_the_same_time_is_no_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def take(path: Path) -> bool:
+        path.unlink()
+        return True
+
+    finished = FinishedPairs(tmp_path / "pairs")
+    finished.keep(PAIR, RECORD)
+    monkeypatch.setattr(Path, "is_file", take)
+    finished.remove([PAIR])
+    monkeypatch.undo()
+    finished.remove([PAIR])  # the folder, too, is gone
     assert list(tmp_path.iterdir()) == []
 
 
@@ -129,35 +181,3 @@ def test_what_is_somebody_elses_stays(tmp_path: Path) -> None:
     mine.write_text("mine")
     finished.remove([PAIR])
     assert only_file(tmp_path / "pairs") == mine
-
-
-@pytest.fixture
-def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A package of a module, a data file and something else, as the one whose digest is taken."""
-    (tmp_path / "inner").mkdir()
-    for name in ("__init__.py", "inner/data.toml", "notes.txt"):
-        (tmp_path / name).write_text("x = 1")
-    made = SimpleNamespace(__name__="package", __file__=str(tmp_path / "__init__.py"))
-    monkeypatch.setattr(finished_pairs, "_SOURCES", (made,))
-    return tmp_path
-
-
-@pytest.mark.parametrize("name", ["__init__.py", "inner/data.toml", "new.py"])
-def test_digest_changes_with_code_and_data(package: Path, name: str) -> None:
-    before = source_digest.__wrapped__()
-    assert source_digest.__wrapped__() == before
-    (package / name).write_text("x = 2")
-    assert source_digest.__wrapped__() != before
-
-
-def test_digest_changes_with_a_files_name_and_not_with_other_files(package: Path) -> None:
-    before = source_digest.__wrapped__()
-    (package / "notes.txt").write_text("y")
-    assert source_digest.__wrapped__() == before
-    (package / "inner" / "data.toml").rename(package / "inner" / "other.toml")
-    assert source_digest.__wrapped__() != before
-
-
-def test_digest_is_over_every_part_that_a_result_depends_on() -> None:
-    folders = {Path(source.__file__ or "").resolve().parent for source in finished_pairs._SOURCES}
-    assert {folder.name for folder in folders} == {"prp_gym", "envs", "baselines"}

@@ -68,13 +68,26 @@ def test_processes_have_one_thread_and_are_gone_in_the_end(monkeypatch: pytest.M
             os.kill(own, 0)
 
 
-def test_result_is_there_before_an_earlier_item_is_finished(tmp_path: Path) -> None:
-    late, early = tmp_path / "late", tmp_path / "early"
+def check_results_come_at_once(workers: Workers, folder: Path) -> None:
+    """The first item is finished only after the second one's result was taken."""
+    late, early = folder / "late", folder / "early"
     early.touch()
-    done = Workers(2).run(wait_for, [late, early])
+    done = workers.run(wait_for, [late, early])
     assert next(done) == (1, early)
     late.touch()
     assert list(done) == [(0, late)]
+
+
+def test_result_is_there_before_an_earlier_item_is_finished(tmp_path: Path) -> None:
+    check_results_come_at_once(Workers(2), tmp_path)
+
+
+@pytest.mark.parametrize("workers", HOW, ids=str)
+def test_results_that_nobody_waits_for_are_given_up_without_a_warning(workers: Workers) -> None:
+    done = workers.run(process, range(30))
+    next(done)
+    done.close()
+    assert list(done) == []
 
 
 @pytest.mark.parametrize("workers", HOW, ids=str)
@@ -103,10 +116,11 @@ def test_ray_that_is_not_installed_is_told_with_its_remedy(monkeypatch: pytest.M
 
 
 ON_A_CLUSTER = """
-import os, socket
+import os, socket, sys
+from pathlib import Path
 from prp_gym.errors import InvalidValueError, UnreachableError
 from prp_gym.parallel import Workers
-from tests.test_parallel import refuse, square
+from tests.test_parallel import check_results_come_at_once, refuse, square
 
 with socket.socket() as free:
     free.bind(("127.0.0.1", 0))
@@ -130,18 +144,22 @@ for jobs, kind, function in ((2, UnreachableError, refuse), (3, InvalidValueErro
         print(error)
     else:
         raise SystemExit(f"{function} was not refused")
+check_results_come_at_once(Workers(2, "ray"), Path(sys.argv[1]))
+given_up = Workers(2, "ray").run(square, items)
+next(given_up)
+given_up.close()
 assert ray.is_initialized()
 ray.shutdown()
 """
 
 
 @needs_ray
-def test_cluster_that_was_there_is_used_and_stays_and_its_errors_arrive() -> None:
+def test_cluster_that_was_there_is_used_and_stays_and_its_results_and_errors_arrive(tmp_path: Path) -> None:
     root = str(Path(__file__).resolve().parents[1])  # where the workers, too, find this module
     environment = {name: value for name, value in os.environ.items() if name != "RAY_ADDRESS"}
     environment["PYTHONPATH"] = os.pathsep.join([root, environment.get("PYTHONPATH", "")])
     environment["RAY_USAGE_STATS_ENABLED"] = "0"
-    command = [sys.executable, "-W", "error", "-c", ON_A_CLUSTER]
+    command = [sys.executable, "-W", "error", "-c", ON_A_CLUSTER, str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [
