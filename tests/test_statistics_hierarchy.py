@@ -93,6 +93,15 @@ def test_nested_interval_covers_the_truth_about_as_often_as_it_says() -> None:
     assert coverage(bootstrap_nested, 20, 20, (1.0, 0.0, 1.0)) == pytest.approx(EXPECTED, abs=TOLERANCE)
 
 
+def test_few_training_seeds_are_covered_less_often_than_the_interval_says() -> None:
+    # the deviation of 3 agents lacks √(2/3) and has 2 degrees of freedom: with u = 1.96 √(2/3), Student's t
+    # is within ±u in u / √(2 + u²) = 75 %; 300 trials have a deviation of 2.5 %, three of these
+    u = 1.96 * np.sqrt(2 / 3)
+    expected = u / np.sqrt(2 + u**2)
+    for bootstrap in SINGLE:
+        assert coverage(bootstrap, 3, 50, (1.0, 0.0, 0.1)) == pytest.approx(expected, abs=0.075)
+
+
 def test_crossed_interval_covers_the_truth_where_evaluation_seeds_are_common() -> None:
     deviations = (0.5, 1.0, 0.3)
     assert coverage(bootstrap_crossed, 20, 20, deviations) == pytest.approx(EXPECTED, abs=TOLERANCE)
