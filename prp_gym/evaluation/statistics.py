@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.resampling import RESAMPLES, check_bootstrap, cut_tails
 from prp_gym.robot.arrays import Array
-
-RESAMPLES = 2000
 
 
 class Estimate(NamedTuple):
@@ -21,7 +20,7 @@ class Estimate(NamedTuple):
 def interquartile_mean(values: Array) -> Array:
     """Mean of the middle half, (..., n) -> (...): a quarter of n, rounded down, is cut off at each end.
 
-    Source: Agarwal et al., Deep Reinforcement Learning at the Edge of the Statistical Precipice, 2021.
+    Source: Agarwal 2021.
     """
     ordered = np.sort(values, axis=-1)
     cut = values.shape[-1] // 4
@@ -44,13 +43,11 @@ def bootstrap_interquartile_mean(
         the estimate; without spread, or of one episode, the interval is the point.
 
     Raises:
-        InvalidValueError: no values, or a confidence outside (0, 1).
+        InvalidValueError: no values, no resamples, or a confidence outside (0, 1).
     """
     if len(values) == 0:
         raise InvalidValueError("number of values", 0, "at least 1")
-    if not 0.0 < confidence < 1.0:
-        raise InvalidValueError("confidence", confidence, "between 0 and 1")
+    check_bootstrap(confidence, resamples)
     drawn = rng.choice(values, size=(resamples, len(values)), replace=True)
-    tail = (1.0 - confidence) / 2
-    low, high = np.quantile(interquartile_mean(drawn), [tail, 1.0 - tail])
+    low, high = cut_tails(interquartile_mean(drawn), confidence)
     return Estimate(float(interquartile_mean(values)), float(low), float(high))

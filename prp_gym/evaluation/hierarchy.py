@@ -1,0 +1,150 @@
+"""Interquartile means of trained agents: scores spread over training seeds and over episodes.
+
+Scores are (training seeds, episodes). A law that is not trained has one row: a level with one member adds
+no spread, so that its interval is one over episodes only and says nothing about training. Few training
+seeds make the intervals too narrow: where their spread dominates, 95 % intervals of 3, 5, 10 or 20 of them
+cover the truth in about 75, 85, 90 or 93 % of all cases.
+"""
+
+import numpy as np
+
+from prp_gym.errors import ShapeError
+from prp_gym.evaluation.resampling import (
+    RESAMPLES,
+    Indices,
+    check_bootstrap,
+    check_scores,
+    cut_tails,
+    split_resamples,
+)
+from prp_gym.evaluation.statistics import Estimate, interquartile_mean
+from prp_gym.robot.arrays import Array
+
+_AXES = ("training seeds", "episodes")
+
+
+def bootstrap_nested(
+    scores: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+) -> Estimate:
+    """Interquartile mean of all scores, its interval over training seeds and episodes of their own.
+
+    A resample draws training seeds, then for each seed drawn, as often as it is, episodes among its own.
+    The interval is meant for episodes that differ from one training seed to the next; where all of them met
+    the same evaluation seeds, `bootstrap_crossed` keeps what those seeds have in common. If training
+    seeds differ no more than their episodes explain, the interval is up to √2 times too wide.
+
+    Args:
+        scores: (training seeds, episodes) [1].
+        rng: for the resampling.
+        confidence: of the interval, between 0 and 1.
+        resamples: of the bootstrap.
+
+    Returns:
+        the estimate [1]; with one training seed only episodes are drawn.
+
+    Raises:
+        InvalidValueError: no scores, no resamples, or a confidence outside (0, 1).
+        ShapeError: scores of other than two axes.
+        NonFiniteError: NaN or infinity among the scores.
+
+    Source: Agarwal 2021, Davison 1997.
+    """
+    check_bootstrap(confidence, resamples)
+    checked = check_scores(scores, "scores", _AXES)
+    drawn = [_draw_nested(checked, size, rng) for size in split_resamples(resamples, checked.size)]
+    return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)
+
+
+def bootstrap_crossed(
+    scores: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+) -> Estimate:
+    """Interquartile mean of all scores, its interval over training seeds and common evaluation seeds.
+
+    A resample draws training seeds, and evaluation seeds once for all of them: an evaluation seed that is
+    hard for every agent is then as rare or as frequent for all.
+
+    Args:
+        scores: (training seeds, evaluation seeds) [1], a column for each evaluation seed.
+        rng: for the resampling.
+        confidence: of the interval, between 0 and 1.
+        resamples: of the bootstrap.
+
+    Returns:
+        the estimate [1]; with one training seed only episodes are drawn.
+
+    Raises:
+        InvalidValueError: no scores, no resamples, or a confidence outside (0, 1).
+        ShapeError: scores of other than two axes.
+        NonFiniteError: NaN or infinity among the scores.
+
+    Source: Agarwal 2021, Owen 2007.
+    """
+    check_bootstrap(confidence, resamples)
+    checked = check_scores(scores, "scores", _AXES)
+    drawn = []
+    for size in split_resamples(resamples, checked.size):
+        columns = _draw(size, checked.shape[1], rng)
+        drawn.append(_draw_crossed(checked, columns, rng))
+    return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)
+
+
+def bootstrap_difference(
+    x: Array, y: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+) -> Estimate:
+    """Interquartile mean of x less that of y, two policies on the same evaluation seeds, with an interval.
+
+    A resample draws evaluation seeds once for both policies, and training seeds of x and of y apart from
+    each other: what an evaluation seed does to both alike drops out of the difference.
+
+    Args:
+        x: (training seeds of x, evaluation seeds) [1], a column for each evaluation seed.
+        y: (training seeds of y, evaluation seeds) [1], the same evaluation seeds in the same order.
+        rng: for the resampling.
+        confidence: of the interval, between 0 and 1.
+        resamples: of the bootstrap.
+
+    Returns:
+        the estimate [1]; an interval above 0 says that x is better.
+
+    Raises:
+        InvalidValueError: no scores, no resamples, or a confidence outside (0, 1).
+        ShapeError: scores of other than two axes, or not as many evaluation seeds of y as of x.
+        NonFiniteError: NaN or infinity among the scores.
+
+    Source: Agarwal 2021, Owen 2007.
+    """
+    check_bootstrap(confidence, resamples)
+    ours, theirs = check_scores(x, "scores x", _AXES), check_scores(y, "scores y", _AXES)
+    if theirs.shape[1] != ours.shape[1]:
+        raise ShapeError("scores y", theirs.shape, f"(training seeds, {ours.shape[1]}), as x")
+    drawn = []
+    for size in split_resamples(resamples, ours.size + theirs.size):
+        columns = _draw(size, ours.shape[1], rng)
+        drawn.append(_draw_crossed(ours, columns, rng) - _draw_crossed(theirs, columns, rng))
+    return _estimate(float(_pool(ours) - _pool(theirs)), np.concatenate(drawn), confidence)
+
+
+def _pool(scores: Array) -> Array:
+    """Interquartile mean over both levels together: (..., training seeds, episodes) -> (...)."""
+    return interquartile_mean(scores.reshape(*scores.shape[:-2], -1))
+
+
+def _draw(resamples: int, members: int, rng: np.random.Generator) -> Indices:
+    """Members drawn with replacement, as many as there are: (resamples, members)."""
+    return rng.integers(members, size=(resamples, members))
+
+
+def _draw_nested(scores: Array, resamples: int, rng: np.random.Generator) -> Array:
+    rows = _draw(resamples, len(scores), rng)
+    columns = rng.integers(scores.shape[1], size=(*rows.shape, scores.shape[1]))
+    return _pool(scores[rows[:, :, None], columns])
+
+
+def _draw_crossed(scores: Array, columns: Indices, rng: np.random.Generator) -> Array:
+    rows = _draw(len(columns), len(scores), rng)
+    return _pool(scores[rows[:, :, None], columns[:, None, :]])
+
+
+def _estimate(value: float, drawn: Array, confidence: float) -> Estimate:
+    low, high = cut_tails(drawn, confidence)
+    return Estimate(value, float(low), float(high))

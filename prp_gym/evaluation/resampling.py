@@ -1,0 +1,102 @@
+"""What every bootstrap does: check the runs, draw them anew in blocks, cut off the tails."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
+from prp_gym.robot.arrays import Array
+
+RESAMPLES = 2000
+BLOCK = 2**20  # numbers drawn at once at most, unless one resample alone has more
+
+Indices = NDArray[np.int64]
+Counts = NDArray[np.int64]
+Runs = Mapping[str, Array]
+
+
+def check_bootstrap(confidence: float, resamples: int) -> None:
+    """Refuse what is no confidence or no number of resamples.
+
+    Raises:
+        InvalidValueError: a confidence outside (0, 1), or no resamples.
+    """
+    if not 0.0 < confidence < 1.0:
+        raise InvalidValueError("confidence", confidence, "between 0 and 1")
+    if resamples < 1:
+        raise InvalidValueError("number of resamples", resamples, "at least 1")
+
+
+def check_scores(scores: Array, what: str, axes: Sequence[str]) -> Array:
+    """`scores` as finite float64 numbers, one axis for each name in `axes`.
+
+    Raises:
+        ShapeError: another number of axes.
+        InvalidValueError: no scores.
+        NonFiniteError: NaN or infinity among them.
+    """
+    checked = np.asarray(scores, dtype=np.float64)
+    if checked.ndim != len(axes):
+        raise ShapeError(what, checked.shape, f"({', '.join(axes)})")
+    if checked.size == 0:
+        raise InvalidValueError(f"number of {what}", 0, "at least 1")
+    wrong = checked[~np.isfinite(checked)]
+    if wrong.size:
+        raise NonFiniteError(f"one of the {what}", float(wrong[0]))
+    return checked
+
+
+def check_runs(runs: Runs, policy: str = "scores") -> dict[str, Array]:
+    """Scores of each task, sorted by task, so that results do not depend on the order of the mapping.
+
+    Args:
+        runs: one array (runs of the task) for each task.
+        policy: whose they are, for the messages.
+
+    Raises:
+        InvalidValueError: no tasks, or a task without runs.
+        ShapeError: runs of a task that are not in one row.
+        NonFiniteError: NaN or infinity among the runs.
+    """
+    if not runs:
+        raise InvalidValueError(f"number of tasks in {policy}", 0, "at least 1")
+    return {task: check_scores(runs[task], f"{policy} of task {task!r}", ("runs",)) for task in sorted(runs)}
+
+
+def check_same_tasks(x: Runs, y: Runs) -> None:
+    """Refuse two policies that did not meet the same tasks.
+
+    Raises:
+        InvalidValueError: a task of one is not a task of the other.
+    """
+    if set(x) != set(y):
+        raise InvalidValueError("tasks of y", sorted(y), f"the tasks of x, {sorted(x)}")
+
+
+def split_resamples(resamples: int, size: int) -> Iterator[int]:
+    """How many resamples of `size` numbers each to draw at once, until all are drawn."""
+    step = max(1, BLOCK // size)
+    for start in range(0, resamples, step):
+        yield min(step, resamples - start)
+
+
+def draw_counts(resamples: int, runs: int, rng: np.random.Generator) -> Counts:
+    """How often each of `runs` is in each resample: (resamples, runs), rows that sum to `runs`."""
+    drawn = rng.integers(runs, size=(resamples, runs))
+    cells = drawn + runs * np.arange(resamples)[:, None]
+    return np.bincount(cells.ravel(), minlength=resamples * runs).reshape(resamples, runs)
+
+
+def accumulate(counts: Counts) -> Counts:
+    """Sum of the first 0, 1, ..., n counts: (..., n) -> (..., n + 1)."""
+    total: Counts = np.zeros((*counts.shape[:-1], counts.shape[-1] + 1), dtype=np.int64)
+    np.cumsum(counts, axis=-1, out=total[..., 1:])
+    return total
+
+
+def cut_tails(drawn: Array, confidence: float) -> tuple[Array, Array]:
+    """Percentile interval over the first axis: (resamples, ...) -> low (...), high (...)."""
+    tail = (1.0 - confidence) / 2
+    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=0)
+    return low, high
