@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,9 +14,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench import costs, goals, memory, peers, rounds, single, training, vector
+from bench import peers, rounds, single, training, vector
 from bench.process import Measuring, ProcessError
-from bench.rounds import ALL_CORES, CONTACT, FREE, FULL, QUICK, REACHER, Contender, Label
+from bench.rounds import ALL_CORES, CONTACT, FREE, QUICK, REACHER, Contender, Label
 from prp_gym.physics.clock import clock_is_read
 from prp_gym.robot.arrays import Array
 
@@ -166,51 +165,6 @@ def test_whole_episodes_are_played_to_their_end(kind: str, monkeypatch: pytest.M
     close()
     assert np.flatnonzero(ends).tolist() == [_HORIZON - 1, len(ends) // 2 + _HORIZON - 1]
     assert len(ends) == 2 * (_HORIZON + (kind == "native"))
-
-
-@pytest.mark.parametrize("count", [1, 3])
-@pytest.mark.parametrize("part", ["physics", "task", "wrapper"])
-def test_time_is_that_of_the_part_that_takes_it(
-    part: str, count: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    made: Any = gymnasium.make(FREE) if count == 1 else gymnasium.make_vec(FREE, count)
-    inner = made.unwrapped
-    owner, name = {
-        "physics": (type(inner.physics), "advance"),
-        "task": (type(inner._loop), "_measure"),
-        "wrapper": (type(inner), "step"),
-    }[part]
-    call = getattr(owner, name)
-
-    def slow(*arguments: Any) -> Any:
-        time.sleep(0.005)
-        return call(*arguments)
-
-    monkeypatch.setattr(owner, name, slow)
-    parts = costs.Parts(costs.Place(FREE, 500.0, count, 1), QUICK)
-    seconds = parts.measure()
-    parts.close()
-    whole = {name: seconds.pop(name) for name in ("step", "law")}["step"]
-    assert sum(seconds.values()) == pytest.approx(whole)  # rounding
-    assert min(seconds.values()) > 0.0
-    assert count * seconds[part] > 0.005
-    assert max(seconds, key=lambda name: seconds[name]) == part
-
-
-def test_steps_are_split_where_goals_are_about() -> None:
-    found = {tuple(vars(place).values()) for place in costs.places(FULL)}
-    for frequency in single.FREQUENCIES:
-        assert (FREE, frequency, 1, 1) in found
-        sizes = {*goals.GROWTH_SIZES, *goals.BARE_SIZES, goals.SYNC_SIZE}
-        assert {(FREE, frequency, count, ALL_CORES) for count in sizes} <= found
-
-
-def test_memory_is_measured_at_every_size_in_free_space(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "_in_process", lambda place: 1000 + 10 * (place[1] - 1))
-    rows = memory.measure(FULL)
-    assert [row["num_envs"] for row in rows if row["environment"] == FREE] == [8, 64, 256, 1024, 4096]
-    assert [row["num_envs"] for row in rows if row["environment"] == CONTACT] == [64, 1024]
-    assert {row["bytes_per_env"] for row in rows} == {10.0}
 
 
 def test_single_environments_are_trained_on_one_core() -> None:
