@@ -28,7 +28,7 @@ _WIDTH = 170  # no cell is cut
 
 def measure_single(effort: Effort) -> list[dict[str, Any]]:
     """Single environments."""
-    return [one.describe() for one in race(single.contenders(effort), effort.rounds, effort.seconds)]
+    return [one.describe() for one in race(single.contenders(effort), effort.rounds, effort.single_seconds)]
 
 
 def measure_vector(effort: Effort) -> list[dict[str, Any]]:

@@ -1,31 +1,30 @@
 """What a step and a reset are made of.
 
-The parts of a step are measured one by one, over the same episode, in turn: the physics alone under the same
-torques, the loop of environments that holds it (`EpisodeLoop.step`), and the environment as it is made for
-users. What a part costs beyond the one that it holds is its own. A law is timed on observations of the same
-episode.
+The parts of a step are timed from within, in the same steps: the call that advances the physics, the step of
+the loop of environments that holds it (`EpisodeLoop.step`), and the step of the environment as it is made for
+users. What a part costs beyond the one that it holds is its own. A law is timed on the observations of these
+steps.
 """
 
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import wraps
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import seeding
 
 import prp_gym
-from bench.rounds import CONTACT, FREE, Effort
-from bench.single import random_actions
+from bench.rounds import ALL_CORES, CONTACT, FREE, Effort
+from bench.single import PLACES, random_actions
 from prp_gym.robot.arrays import Array
 
 LAWS = {FREE: "joint_inverse_dynamics", CONTACT: "impedance"}
-FREQUENCY = 500.0
-_OBSERVATIONS = 200
+GAINS = {500.0: "tuned", 50.0: "tuned_50hz"}
 _MOST_STEPS = 500
-
-Step = Callable[[Any], object]
+_LEAST_STEPS = 8
+_SUBSTEPS_A_TURN = 2**16  # of all environments together
 
 
 @dataclass(frozen=True)
@@ -34,17 +33,19 @@ class Place:
 
     Attributes:
         environment: id.
+        control_frequency: [Hz].
         num_envs: N; a single environment is no vector environment.
         threads: of the physics.
     """
 
     environment: str
+    control_frequency: float
     num_envs: int
     threads: int
 
 
 class Parts:
-    """The parts of one place, each over an episode of its own that is the same for all.
+    """The parts of one place, timed from within the environment as it is made for users.
 
     Args:
         place: where.
@@ -53,72 +54,74 @@ class Parts:
 
     def __init__(self, place: Place, effort: Effort) -> None:
         self.place = place
-        settings: dict[str, Any] = {"control_frequency": FREQUENCY, "duration": effort.duration}
-        self.single = gymnasium.make(place.environment, **settings)
-        inner: Any = self.single.unwrapped
-        self._horizon = min(inner.config.horizon - 1, _MOST_STEPS)  # nothing is reset on the way
-        self._substeps, self._limit = inner.config.substeps, inner.torque_limit
-        self._loop = inner.make_loop(place.num_envs, place.threads)
-        self._actions = list(random_actions(place.num_envs, inner.action_space.shape[0]).astype(np.float64))
-        self._law = prp_gym.make_baseline(LAWS[place.environment], self.single)
-        self._env: Any = self.single
+        settings: dict[str, Any] = {"control_frequency": place.control_frequency, "duration": effort.duration}
+        self._single = gymnasium.make(place.environment, **settings)
+        inner: Any = self._single.unwrapped
+        most = _steps(place.num_envs * inner.config.substeps)
+        self._steps = min(inner.config.horizon - 1, most)  # nothing is reset on the way
+        self._actions = random_actions(place.num_envs, inner.action_space.shape[0])
+        gains = GAINS[place.control_frequency]
+        self._law = prp_gym.make_baseline(LAWS[place.environment], self._single, gains)
+        self._env: Any = self._single
         if place.num_envs > 1:
             self._env = gymnasium.make_vec(
-                place.environment, num_envs=place.num_envs, num_threads=place.threads, **settings
+                place.environment, place.num_envs, num_threads=place.threads, **settings
             )
+        else:
+            self._actions = self._actions[:, 0]
+        self._seconds = {"loop": 0.0, "physics": 0.0}
+        loop = self._env.unwrapped._loop
+        loop.step = self._timed("loop", loop.step)
+        loop.physics.advance = self._timed("physics", loop.physics.advance)
+
+    def _timed(self, part: str, call: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(call)
+        def timed(*arguments: Any) -> Any:
+            start = time.perf_counter()
+            result = call(*arguments)
+            self._seconds[part] += time.perf_counter() - start
+            return result
+
+        return timed
 
     def measure(self) -> dict[str, float]:
         """Seconds of each part for a step of one environment [s]."""
-        physics = self._play(self._begin_loop, self._advance)
-        loop = self._play(self._begin_loop, self._loop.step)
-        env = self._play(lambda: self._env.reset(seed=0), self._step_env)
-        law = self._time_law()
-        return {"physics": physics, "task": loop - physics, "wrapper": env - loop, "step": env, "law": law}
+        self._env.reset(seed=0)
+        self._seconds = dict.fromkeys(self._seconds, 0.0)
+        seen, start = [], time.perf_counter()
+        for index in range(self._steps):
+            seen.append(self._env.step(self._actions[index % len(self._actions)])[0])
+        step, (loop, physics) = time.perf_counter() - start, self._seconds.values()
+        law = self._time_law(seen)
+        parts = {"physics": physics, "task": loop - physics, "wrapper": step - loop, "step": step, "law": law}
+        return {name: seconds / (self._steps * self.place.num_envs) for name, seconds in parts.items()}
 
-    def _begin_loop(self) -> None:
-        rngs = [seeding.np_random(seed)[0] for seed in range(self.place.num_envs)]
-        self._loop.reset(np.arange(self.place.num_envs), rngs, {})
-
-    def _advance(self, action: Array) -> None:
-        self._loop.physics.set_torque(action * self._limit)
-        self._loop.physics.advance(self._substeps)
-
-    def _step_env(self, action: Array) -> None:
-        self._env.step(action if self.place.num_envs > 1 else action[0])
-
-    def _play(self, begin: Callable[[], object], step: Step) -> float:
-        begin()
-        start = time.perf_counter()
-        for index in range(self._horizon):
-            step(self._actions[index % len(self._actions)])
-        return float((time.perf_counter() - start) / (self._horizon * self.place.num_envs))
-
-    def _time_law(self) -> float:
-        self._begin_loop()
-        seen = [
-            self._loop.step(self._actions[index]).observation
-            for index in range(min(_OBSERVATIONS, self._horizon))
-        ]
-        if self.place.num_envs == 1:
-            seen = [observation[0] for observation in seen]
-        state = None
-        start = time.perf_counter()
+    def _time_law(self, seen: Sequence[Array]) -> float:
+        state, start = None, time.perf_counter()
         for observation in seen:
             _, state = self._law.predict(observation, state)
-        return (time.perf_counter() - start) / len(seen) / self.place.num_envs
+        return time.perf_counter() - start
 
     def close(self) -> None:
         """End the environments."""
         self._env.close()
-        self.single.close()
+        self._single.close()
+
+
+def _steps(substeps: int) -> int:
+    """Steps of a turn in which all environments together take so many substeps a step."""
+    return max(_LEAST_STEPS, min(_MOST_STEPS, _SUBSTEPS_A_TURN // substeps))
 
 
 def places(effort: Effort) -> Iterator[Place]:
-    """The single environment, and many of them on one core and on all."""
-    for environment in LAWS:
-        yield Place(environment, 1, 1)
-        yield Place(environment, effort.library_size, 1)
-        yield Place(environment, effort.library_size, 0)
+    """The single environment, and many of them on one core and on all; in contact only a few."""
+    few = effort.library_size
+    many = [count for count in effort.sizes if count >= few]
+    for environment, frequency in PLACES:
+        yield Place(environment, frequency, 1, 1)
+        yield Place(environment, frequency, few, 1)
+        for count in many if environment == FREE else [few]:
+            yield Place(environment, frequency, count, ALL_CORES)
 
 
 def split_steps(effort: Effort) -> list[dict[str, Any]]:
@@ -128,8 +131,7 @@ def split_steps(effort: Effort) -> list[dict[str, Any]]:
     rows = []
     for index, one in enumerate(parts):
         seconds = _medians([turn[index] for turn in rounds])
-        about = {"law_name": LAWS[one.place.environment], "control_frequency": FREQUENCY}
-        rows.append({**vars(one.place), **about, "seconds": seconds})
+        rows.append({**vars(one.place), "law_name": LAWS[one.place.environment], "seconds": seconds})
         one.close()
     return rows
 

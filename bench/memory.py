@@ -1,6 +1,5 @@
 """Memory that each environment of a vector environment takes, from processes that hold nothing else."""
 
-import itertools
 import os
 import subprocess
 import sys
@@ -14,6 +13,7 @@ from bench.cores import count_cores
 from bench.rounds import CONTACT, FREE, Effort
 
 _STEPS = 3
+_SIZES = {CONTACT: (64, 1024)}
 _STATUS = Path("/proc/self/statm")
 
 
@@ -26,8 +26,9 @@ def resident_bytes() -> int:
 
 def measure(effort: Effort) -> list[dict[str, Any]]:
     """Bytes an environment: what N of them take beyond a single one, over N - 1."""
-    counts = [1, *(count for count in sorted(effort.sizes)[-2:] if count > 1)]
-    places = list(itertools.product((FREE, CONTACT), counts))
+    places = [
+        (environment, count) for environment in (FREE, CONTACT) for count in _counts(environment, effort)
+    ]
     with ThreadPoolExecutor(count_cores()) as pool:
         taken = dict(zip(places, pool.map(_in_process, places), strict=True))
     return [
@@ -39,6 +40,12 @@ def measure(effort: Effort) -> list[dict[str, Any]]:
         for environment, count in places
         if count > 1
     ]
+
+
+def _counts(environment: str, effort: Effort) -> list[int]:
+    """One and every size in free space; in contact, where preparing takes long, only some of them."""
+    chosen = set(effort.sizes) & set(_SIZES.get(environment, effort.sizes))
+    return sorted({1, *chosen})
 
 
 def _in_process(place: tuple[str, int]) -> int:

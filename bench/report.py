@@ -7,11 +7,11 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from bench.figures import memory_numbers, numbers
 from bench.goals import Goal, goals
 from bench.plot import draw
-from bench.rounds import FREE, LARGE_PPO
 from bench.sheets import Sheet, sheets
-from bench.single import ACTION_SHARE
+from bench.single import ACTION_COUNT, ACTION_SHARE
 from prp_gym.evaluation.results import write_file
 
 Results = Mapping[str, Any]
@@ -20,6 +20,7 @@ PARTS = ("single", "vector", "peers", "training", "costs", "memory")
 """Without which there is no page."""
 
 _HERE = Path(__file__).parent
+_EFFORT = ("rounds", "vector_rounds", "single_seconds", "seconds", "duration")
 _VERSIONS = ("python", "prp-gym", "gymnasium", "mujoco", "numpy", "stable_baselines3", "torch")
 
 
@@ -43,7 +44,9 @@ def page(results: Results) -> str:
         "machine": machine_text(results),
         "missed": missed_text(goals(results), numbers(results)),
         "action_share": f"{ACTION_SHARE:g}",
-        **{name: f"{effort[name]:g}" for name in ("rounds", "vector_rounds", "seconds", "duration")},
+        "action_count": str(ACTION_COUNT),
+        **{name: f"{effort[name]:g}" for name in _EFFORT},
+        **memory_numbers(results),
     }
     return Template((_HERE / "page.md").read_text(encoding="utf-8")).substitute(texts | facts)
 
@@ -90,16 +93,3 @@ def missed_text(asked: Sequence[Goal], facts: Mapping[str, str]) -> str:
         text = " ".join(Template(limits[key]).substitute(facts).split())
         parts.append(f"**Missed: {what}.** {text}")
     return "\n\n".join(parts)
-
-
-def numbers(results: Results) -> dict[str, str]:
-    """Figures that the texts on limits name."""
-    steps = [row for row in results["costs"]["steps"] if row["environment"] == FREE]
-    single, many = steps[0], steps[-1]
-    facts = {"vector_size": str(many["num_envs"])}
-    for prefix, row in (("single", single), ("vector", many)):
-        facts |= {f"{prefix}_{part}": f"{1e6 * value:.1f}" for part, value in row["seconds"].items()}
-    ours = next(row for row in results["training"][LARGE_PPO] if row["kind"] == "adapter")
-    facts["ppo_train"] = f"{100 * ours['shares']['train']:.0f}"
-    facts["ppo_env"] = f"{100 * ours['shares']['env_step']:.0f}"
-    return facts

@@ -64,7 +64,8 @@ class Effort:
     Attributes:
         rounds: of the single environments; their medians are reported.
         vector_rounds: of everything else.
-        seconds: that each contender runs in a round [s].
+        single_seconds: that each single environment runs in a round [s].
+        seconds: that everything else runs in a round [s].
         sizes: N of the native vector environment; the goals need 64, 256, 1024 and 4096.
         loop_sizes: N of the vector environments that loop over single ones.
         library_size: N of Stable-Baselines3's vector environments.
@@ -75,6 +76,7 @@ class Effort:
 
     rounds: int
     vector_rounds: int
+    single_seconds: float
     seconds: float
     sizes: tuple[int, ...]
     loop_sizes: tuple[int, ...]
@@ -84,8 +86,8 @@ class Effort:
     training_scale: float
 
 
-FULL = Effort(9, 5, 0.25, (1, 8, 64, 256, 1024, 4096), (8, 64), 64, 5.0, 4, 1.0)
-QUICK = Effort(2, 2, 0.001, (1, 4), (2,), 4, 0.1, 1, 0.001)
+FULL = Effort(25, 5, 0.15, 0.25, (1, 8, 64, 256, 1024, 4096), (8, 64), 64, 5.0, 4, 1.0)
+QUICK = Effort(2, 2, 0.001, 0.001, (1, 4), (2,), 4, 0.1, 1, 0.001)
 
 
 @dataclass(frozen=True, eq=False)

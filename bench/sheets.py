@@ -17,6 +17,7 @@ Results = Mapping[str, Any]
 Rows = Sequence[Mapping[str, Any]]
 
 NOT_MEASURED = "-"
+_LIBRARIES = ("mujoco", "gymnasium", "numpy")
 _CLOCKS = ((AS_SHIPPED, True), (WITHOUT_CLOCK, False))
 
 
@@ -104,7 +105,14 @@ def peer_sheet(results: Results) -> Sheet:
     part = results["peers"]
     sheet = single_sheet("peers", "peers, one core", part["rates"], part["peers"])
     missing = [_missing(peer) for peer in part["peers"] if peer["reason"]]
-    return Sheet(sheet.name, sheet.title, sheet.headers, (*sheet.rows, *missing), 2)
+    used = {peer["environment"]: _versions(peer["versions"]) for peer in part["peers"]}
+    here = _versions({name: results["versions"][name] for name in _LIBRARIES})
+    rows = tuple((*row, used.get(row[1], here)) for row in (*sheet.rows, *missing))
+    return Sheet(sheet.name, sheet.title, (*sheet.headers, "versions"), rows, 2)
+
+
+def _versions(versions: Mapping[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
 def _missing(peer: Mapping[str, Any]) -> tuple[str, ...]:
@@ -182,19 +190,10 @@ def cost_sheet(results: Results) -> Sheet:
         seconds = row["seconds"]
         parts = (f"{1e6 * seconds[name]:.1f}" for name in ("step", "physics", "task", "wrapper", "law"))
         threads = "all cores" if row["threads"] == 0 else "one core"
-        cells.append((row["environment"], str(row["num_envs"]), threads, *parts, row["law_name"]))
-    headers = (
-        "environment",
-        "N",
-        "physics on",
-        "step",
-        "physics",
-        "task",
-        "wrapper",
-        "law",
-        "which law",
-    )
-    return Sheet("costs", "µs a step of one environment at 500 Hz", headers, tuple(cells))
+        place = (row["environment"], frequency_text(row), str(row["num_envs"]), threads)
+        cells.append((*place, *parts, row["law_name"]))
+    headers = ("environment", "control", "N", "physics on", "step", "physics", "task", "wrapper", "law")
+    return Sheet("costs", "µs a step of one environment", (*headers, "which law"), tuple(cells))
 
 
 def reset_sheet(results: Results) -> Sheet:

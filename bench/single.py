@@ -13,6 +13,7 @@ import prp_gym
 from bench.rounds import CONTACT, FREE, REACHER, Contender, Effort, Label, timed
 from prp_gym.robot.arrays import Array
 
+ACTION_COUNT = 200  # that every contender repeats
 ACTION_SHARE = 0.2  # of the actuator limits: moves the arm through its range without resting on the stops
 FREQUENCIES = (500.0, 50.0)
 """[Hz] 2 and 20 substeps of 1 ms."""
@@ -23,14 +24,15 @@ PLACES = tuple((environment, frequency) for environment in (FREE, CONTACT) for f
 REACHER_FREQUENCY = 50.0
 """[Hz] Reacher-v5 takes 2 substeps of 10 ms."""
 
-_CHUNK = 200
 _STARTS = 16
+
+Start = tuple[mujoco.MjModel, Array, Array]
 
 
 @cache
 def random_actions(num_envs: int, size: int) -> Array:
     """The same random actions for every contender of a size (k, num_envs, size)."""
-    shape = (_CHUNK, num_envs, size)
+    shape = (ACTION_COUNT, num_envs, size)
     return np.random.default_rng(0).uniform(-ACTION_SHARE, ACTION_SHARE, shape).astype(np.float32)
 
 
@@ -51,7 +53,7 @@ def environment_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
             _, _, terminated, truncated, _ = env.step(action)
             if terminated or truncated:
                 env.reset()
-        return _CHUNK
+        return ACTION_COUNT
 
     return chunk
 
@@ -68,32 +70,32 @@ def bare_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
     inner: Any = env.unwrapped
     starts = [_start(inner, seed) for seed in range(_STARTS)]
     torques = list(random_actions(1, inner.action_space.shape[0])[:, 0] * inner.torque_limit)
-    model, *_ = starts[0]
-    data = mujoco.MjData(model)
-    control, count = data.ctrl, 0
+    data = mujoco.MjData(starts[0][0])
     substeps, horizon = inner.config.substeps, inner.config.horizon
-
-    def begin(index: int) -> None:
-        nonlocal model
-        model, position, velocity = starts[index]
-        mujoco.mj_resetData(model, data)
-        data.qpos[:], data.qvel[:] = position, velocity
+    model, control, count = _begin(data, starts[0]), data.ctrl, 0
 
     def chunk() -> int:
-        nonlocal count
+        nonlocal model, count
         for torque in torques:
             control[:] = torque
             mujoco.mj_step(model, data, substeps)
             count += 1
             if count % horizon == 0:
-                begin(count // horizon % _STARTS)
-        return _CHUNK
+                model = _begin(data, starts[count // horizon % _STARTS])
+        return ACTION_COUNT
 
-    begin(0)
     return chunk
 
 
-def _start(inner: Any, seed: int) -> tuple[mujoco.MjModel, Array, Array]:
+def _begin(data: mujoco.MjData, start: Start) -> mujoco.MjModel:
+    """Put simulation data into an episode's start, and return that episode's model."""
+    model, position, velocity = start
+    mujoco.mj_resetData(model, data)
+    data.qpos[:], data.qvel[:] = position, velocity
+    return model
+
+
+def _start(inner: Any, seed: int) -> Start:
     """Model, joint position and joint velocity of an episode's start."""
     inner.reset(seed=seed)
     physics = inner.physics

@@ -125,9 +125,9 @@ def contender(recipe: Recipe, label: Label, effort: Effort) -> tuple[Contender, 
 
 def labels(recipe: Recipe, num_envs: int) -> list[Label]:
     """Whom agents are trained on: Reacher-v5 as installed, and this suite without the clock."""
-    kind, own = ("dummy", "adapter") if num_envs > 1 else ("single", "single")
+    kind, own, threads = ("dummy", "adapter", ALL_CORES) if num_envs > 1 else ("single", "single", 1)
     reacher = Label(kind, REACHER, REACHER_FREQUENCY, num_envs, clock=True)
-    ours = [Label(own, FREE, frequency, num_envs, ALL_CORES) for frequency in FREQUENCIES]
+    ours = [Label(own, FREE, frequency, num_envs, threads) for frequency in FREQUENCIES]
     if recipe.unclocked_reacher:
         ours.insert(0, replace(reacher, clock=False))
     return [reacher, *ours]

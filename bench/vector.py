@@ -1,9 +1,10 @@
 """Vector environments against N: ours, Gymnasium's and Stable-Baselines3's, in free space and in contact.
 
-Our own few environments play whole episodes, which begin and end together. With other contenders that would
-take too long: their episodes are spread evenly over their length before anything is timed, by restarting the
-environments one group after the other, so that every moment holds its share of all phases of an episode and
-of its ends. For loops over single environments it is all the same; our own would rather reset many at once.
+Our own fewest environments and Stable-Baselines3's adapter play whole episodes, which begin and end together.
+With others that would take too long: their episodes are spread evenly over their length before anything is
+timed, by restarting the environments one group after the other, so that every moment holds its share of all
+phases of an episode and of its ends. For loops over single environments it is all the same; our own would
+rather reset many at once.
 
 A Gymnasium vector environment spends one call of an episode on its restart, which is not counted as a step.
 """
@@ -30,7 +31,7 @@ from prp_gym.physics.clock import read_clock
 _PERIODS_BETWEEN_RESTARTS = 5
 _STEPS_A_CHUNK = 1024  # of single environments
 _ONE_THREAD = (64, 1024)
-_WHOLE_UP_TO = 64  # environments; more take too long
+_WHOLE_UP_TO = 8  # environments; more take too long
 _LONG = (CONTACT, 500.0)  # its largest sizes would take minutes to be spread
 
 

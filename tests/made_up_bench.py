@@ -4,7 +4,8 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from typing import Any
 
-from bench.rounds import CONTACT, FREE, FULL, LARGE_PPO, REACHER, Label
+from bench.costs import Place, places
+from bench.rounds import FREE, FULL, LARGE_PPO, REACHER, Label
 from bench.single import PLACES, REACHER_FREQUENCY
 from bench.vector import labels
 
@@ -31,19 +32,29 @@ def _training(rate: Rate) -> list[dict[str, Any]]:
 
 
 def _costs() -> dict[str, Any]:
-    seconds = {"step": 2e-5, "physics": 5e-6, "task": 1.2e-5, "wrapper": 3e-6, "law": 4e-5}
-    places = [(environment, count) for environment in (FREE, CONTACT) for count in (1, 64)]
-    about = {"threads": 0, "law_name": "joint_pd", "control_frequency": 500.0, "seconds": seconds}
-    steps = [{"environment": environment, "num_envs": count, **about} for environment, count in places]
+    steps = [
+        {**vars(place), "law_name": "joint_pd", "seconds": part_seconds(place)} for place in places(FULL)
+    ]
     reset = {"environment": FREE, "num_envs": 64, "seconds": {"all": 1e-4, "one": 2e-4}}
     return {"steps": steps, "resets": [reset]}
 
 
+def part_seconds(place: Place) -> dict[str, float]:
+    """Parts of a step that are not the same in any two places [s]."""
+    physics = 1e-6 * (place.num_envs + place.control_frequency / 500 + (0.3 if place.threads else 0.0))
+    physics *= 1.0 if place.environment == FREE else 7.0
+    task, wrapper = 2.0 * physics, 3.0 * physics
+    return {"step": 6.0 * physics, "physics": physics, "task": task, "wrapper": wrapper, "law": 4e-5}
+
+
 def _peers() -> dict[str, Any]:
     fetch = {"environment": "FetchReach-v4", "control_frequency": 25.0, "substeps": 20, "reason": ""}
+    fetch["versions"] = {"mujoco": "3.3.7", "gymnasium-robotics": "1.4.2"}
     panda = {**fetch, "environment": "PandaReach-v3", "reason": "its installation failed: no wheel"}
+    panda["versions"] = {}
     label = Label("single", "FetchReach-v4", 25.0, clock=True)
-    return {"rates": [row(label, 1000.0)], "peers": [fetch, panda]}
+    beside = Label("single", REACHER, REACHER_FREQUENCY)
+    return {"rates": [row(label, 1000.0), *_clocks(beside, lambda _: 2000.0)], "peers": [fetch, panda]}
 
 
 def make_results(rate: Rate, evaluate_seconds: float = 100.0) -> dict[str, Any]:
@@ -67,6 +78,9 @@ def make_results(rate: Rate, evaluate_seconds: float = 100.0) -> dict[str, Any]:
         "peers": _peers(),
         "training": {LARGE_PPO: _training(rate)},
         "costs": _costs(),
-        "memory": [{"environment": FREE, "num_envs": 1024, "bytes_per_env": 20480.0}],
+        "memory": [
+            {"environment": FREE, "num_envs": count, "bytes_per_env": 1024.0 * kibibytes}
+            for count, kibibytes in ((64, 345.6), (256, 30.0), (4096, 4.5))
+        ],
         "evaluate": {"seconds": evaluate_seconds},
     }

@@ -14,9 +14,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from bench import costs, peers, rounds, single, training, vector
+from bench import peers, rounds, single, training, vector
 from bench.process import Measuring, ProcessError
-from bench.rounds import CONTACT, FREE, QUICK, REACHER, Contender, Label
+from bench.rounds import ALL_CORES, CONTACT, FREE, QUICK, REACHER, Contender, Label
 from prp_gym.physics.clock import clock_is_read
 from prp_gym.robot.arrays import Array
 
@@ -125,7 +125,7 @@ def test_episodes_are_spread_over_their_length_before_they_are_timed(kind: str) 
 
 @pytest.mark.parametrize(
     ("kind", "count", "spread"),
-    [("native", 64, []), ("native", 65, [65]), ("sync", 4, [4]), ("dummy", 4, [4]), ("adapter", 4, [])],
+    [("native", 8, []), ("native", 9, [9]), ("sync", 4, [4]), ("dummy", 4, [4]), ("adapter", 4, [])],
 )
 def test_contenders_are_spread_unless_they_play_whole_episodes(
     kind: str, count: int, spread: list[int], monkeypatch: pytest.MonkeyPatch
@@ -167,17 +167,9 @@ def test_whole_episodes_are_played_to_their_end(kind: str, monkeypatch: pytest.M
     assert len(ends) == 2 * (_HORIZON + (kind == "native"))
 
 
-def test_every_part_of_a_step_is_timed_on_the_same_episode() -> None:
-    parts = costs.Parts(costs.Place(FREE, 3, 1), QUICK)
-    ends = []
-    for step in (parts._advance, parts._loop.step):
-        assert parts._play(parts._begin_loop, step) > 0.0
-        ends.append(parts._loop.physics.joint_position.copy())
-    np.testing.assert_array_equal(*ends)
-    seconds = parts.measure()
-    parts.close()
-    whole = seconds["physics"] + seconds["task"] + seconds["wrapper"]
-    assert whole == pytest.approx(seconds["step"])  # rounding
+def test_single_environments_are_trained_on_one_core() -> None:
+    assert {label.threads for recipe in training.RECIPES for label in training.labels(recipe, 1)} == {1}
+    assert training.labels(training.RECIPES[0], 64)[-1].threads == ALL_CORES
 
 
 def test_shares_of_training_are_those_of_its_time() -> None:
@@ -261,6 +253,7 @@ def test_quick_run_measures_everything_and_writes_results_and_page(tmp_path: Pat
     assert {row["clock"] for row in results["single"]} == {True, False}
     assert {peer["environment"] for peer in results["peers"]["peers"]} == {"FetchReach-v4", "PandaReach-v3"}
     assert {row["num_envs"] for row in results["costs"]["steps"]} == {1, QUICK.library_size}
+    assert {row["control_frequency"] for row in results["costs"]["steps"]} == set(single.FREQUENCIES)
     assert results["memory"][0]["bytes_per_env"] != 0.0
     assert all(row["shares"]["train"] > 0.0 for rows in results["training"].values() for row in rows)
     assert all(goal["met"] in (True, False) for goal in results["goals"])

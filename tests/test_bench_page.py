@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from bench import goals, plot, report
+from bench import figures, goals, plot, report
 from bench.rounds import CONTACT, FREE, REACHER, Label, find, ratios
 from bench.sheets import Sheet, sheets
 from prp_gym.errors import UnknownNameError
+from prp_gym.physics import batch_simulation
 from tests.made_up_bench import make_results, row
 
 
@@ -88,9 +89,64 @@ def test_page_says_what_was_missed_and_what_limits_it() -> None:
         "**Missed: single environment at 500 Hz against Reacher-v5 (as shipped and clock off for both)."
         in text
     )
-    assert "the physics takes 5.0 µs" in text
     assert "Every goal is met." not in text
     assert "$" not in text
+
+
+def _limit(text: str, what: str) -> str:
+    """What the page says about a goal that was missed."""
+    return next(line for line in text.splitlines() if line.startswith(f"**Missed: {what}"))
+
+
+def test_limits_are_explained_by_the_place_that_each_goal_is_about() -> None:
+    text = report.page(make_results(slow, evaluate_seconds=200.0))
+    single = _limit(text, "single environment at 500 Hz")
+    assert "a step takes 13.8 µs. Its two substeps of physics take 2.3 µs" in single
+    assert "observation take 4.6 µs" in single
+    assert "on arrays of 64 rows they take 130.6 µs an environment" in single
+    assert "the physics takes 1.4 µs" in _limit(text, "single environment at 50 Hz")
+    many = _limit(text, "vector environment, N = 256")
+    assert "the physics on all cores takes 256.1 µs, the task 512.2 µs and the wrapper 768.3 µs" in many
+    assert "1024.1 µs, 2048.2 µs and 3072.3 µs" in many
+    sync = _limit(text, "vector environment, N = 64")
+    assert "the physics on all cores 65.0 µs (on one core 65.3 µs), the task 130.0 µs" in sync
+    growth = _limit(text, "growth")
+    assert "at 500 Hz as follows: physics 65.00 to 4097.00 µs, task 130.00 to 8194.00 µs" in growth
+    assert "at 50 Hz: physics 64.10 to 4096.10 µs" in growth
+    assert "took 200 s on 2 cores" in _limit(text, "`make evaluate`")
+
+
+def test_training_is_limited_by_what_is_not_the_environment() -> None:
+    text = _limit(report.page(make_results(slow)), "PPO")
+    assert "the networks take 50 % of the time, the policy 15 %, the library's other work 5 %" in text
+    assert "training would be 0.71 and 0.71 times as fast" in text  # 500/s over 1000/s, without 30 %
+
+
+def test_gain_without_the_clock_is_that_of_the_peer() -> None:
+    def clocked(label: Label) -> float:
+        peer = label.environment == REACHER or label.kind.startswith("bare")
+        return (1000.0 if label.clock else 1250.0) if peer else 100.0
+
+    text = report.page(make_results(clocked))
+    assert "Without the clock Reacher-v5 is 1.25 times as fast" in _limit(text, "single environment at 500")
+    assert "Without the clock the bare loop is 1.25 times as fast" in _limit(
+        text, "single environment at 50 Hz"
+    )
+
+
+def test_quick_runs_have_the_figures_of_the_goals_that_they_have() -> None:
+    results = make_results(slow)
+    results["costs"]["steps"] = [row for row in results["costs"]["steps"] if row["num_envs"] == 1]
+    found = figures.numbers(results)
+    assert "n1_500_task" in found
+    assert not {name for name in found if name.startswith(("n64", "growth"))}
+
+
+def test_page_says_up_to_where_environments_keep_simulation_data() -> None:
+    assert batch_simulation._PERSISTENT_UP_TO == figures.KEPT_UP_TO
+    text = report.page(make_results(fast))
+    assert "Up to N = 128 every environment keeps an `MjData` of its own, about 346 KiB each" in text
+    assert "at N = 4096 an environment takes 4.5 KiB" in " ".join(text.split())
 
 
 def test_page_of_a_fast_suite_names_no_limits() -> None:
@@ -103,6 +159,15 @@ def test_page_says_why_a_peer_is_missing() -> None:
     text = report.page(make_results(fast))
     assert _table(text, "FetchReach-v4")[:4] == ["single environment", "FetchReach-v4", "25 Hz", "20"]
     assert "not measured: its installation failed: no wheel" in _table(text, "PandaReach-v3")
+
+
+def test_page_shows_the_versions_of_peers_and_those_beside_them() -> None:
+    rows = next(sheet for sheet in sheets(make_results(fast)) if sheet.name == "peers").rows
+    assert [(row[1], row[-1]) for row in rows] == [
+        ("FetchReach-v4", "mujoco 3.3.7, gymnasium-robotics 1.4.2"),
+        (REACHER, "mujoco 1.0, gymnasium 1.0, numpy 1.0"),
+        ("PandaReach-v3", ""),
+    ]
 
 
 def test_page_names_machine_and_versions() -> None:
