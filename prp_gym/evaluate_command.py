@@ -73,15 +73,7 @@ def evaluate_command(
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     write_json(target, {**describe_run(command), "evaluations": records})
     finished.remove(pairs)
-    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for table in (*_tables(records), *_scores(records)):
-        console.print(table)
-    console.print(
-        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
-    )
-    if jobs != 1:
-        console.print("law µs: measured beside other work; for that of the law alone, choose --jobs 1.")
-    console.print(f"results: {target}", highlight=False)
+    _show(records, target, busy=jobs != 1)
 
 
 def _laws_with(gains: str) -> list[str]:
@@ -129,6 +121,19 @@ def _evaluate(pairs: list[Pair], workers: Workers, finished: FinishedPairs) -> l
                 records[missing[index]] = result.record
                 progress.advance(bar, missing[index].episodes)
     return [records[pair] for pair in pairs]
+
+
+def _show(records: list[Record], target: Path, busy: bool) -> None:
+    """Print the tables, and what to know of them; `busy` if other work ran beside each pair."""
+    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+    for table in (*_tables(records), *_scores(records)):
+        console.print(table)
+    console.print(
+        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
+    )
+    if busy:
+        console.print("law µs: measured beside other work; for that of the law alone, choose --jobs 1.")
+    console.print(f"results: {target}", highlight=False)
 
 
 def _tables(records: list[Record]) -> Iterator[Table]:

@@ -1,7 +1,6 @@
 """What every environment of the suite owes to Gymnasium, Stable-Baselines3 and reproducibility."""
 
 import copy
-import os
 import pickle
 from collections.abc import Callable
 from typing import Any
@@ -14,9 +13,6 @@ from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
 import prp_gym
 from prp_gym.envs import PRPEnv
-from prp_gym.errors import RenderingError
-from prp_gym.physics import Physics
-from prp_gym.physics.rendering import OffscreenRenderer
 from prp_gym.robot import NOMINAL
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
@@ -39,17 +35,6 @@ def environment_id(request: pytest.FixtureRequest) -> str:
 @pytest.fixture(params=SCENARIOS)
 def scenario(request: pytest.FixtureRequest) -> str:
     return str(request.param)
-
-
-@pytest.fixture(scope="module")
-def drawing() -> None:
-    """Skip where no picture can be drawn, unless that must not be."""
-    try:
-        OffscreenRenderer(Physics().model(), 64, 64, "top").close()
-    except RenderingError as error:
-        if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
-            pytest.fail(f"PRP_REQUIRE_RENDERING=1, but: {error}")
-        pytest.skip(f"no drawing context on this machine: {error}")
 
 
 def made(environment_id: str, scenario: str, **keywords: Any) -> PRPEnv:

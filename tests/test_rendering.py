@@ -1,6 +1,5 @@
 """Pictures: right shape and place, of the current state, with the marks in their colours."""
 
-import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -24,17 +23,6 @@ TOP_HEIGHT = 2.0  # of the top camera above the arm's foot [m]
 RED, GREEN, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 CENTER = np.array([0.1, 0.0, 0.6])  # under the top camera, above the arm
 Picture = NDArray[Any]
-
-
-@pytest.fixture(scope="module")
-def drawing() -> None:
-    """Skip where no picture can be drawn, unless that must not be."""
-    try:
-        OffscreenRenderer(Physics().model(), WIDTH, HEIGHT, "top").close()
-    except (RenderingError, ImportError) as error:
-        if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
-            pytest.fail(f"PRP_REQUIRE_RENDERING=1, but: {error}")
-        pytest.skip(f"no drawing context on this machine: {error}")
 
 
 @pytest.fixture(params=CAMERAS)

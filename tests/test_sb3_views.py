@@ -1,6 +1,5 @@
 """One environment among those that Stable-Baselines3 steps together: attributes, methods, pictures."""
 
-import os
 from operator import methodcaller
 from typing import Any
 
@@ -11,21 +10,8 @@ from stable_baselines3.common.monitor import Monitor
 
 from prp_gym.agents.vec_env import SB3VecEnv
 from prp_gym.envs import PRPVectorEnv
-from prp_gym.errors import EpisodeError, InvalidValueError, RenderingError
-from prp_gym.physics import Physics
-from prp_gym.physics.rendering import OffscreenRenderer
+from prp_gym.errors import EpisodeError, InvalidValueError
 from tests.sb3_pair import ID, N, actions_for, assert_same_results, both, together
-
-
-@pytest.fixture(scope="module")
-def drawing() -> None:
-    """Skip where no picture can be drawn, unless that must not be."""
-    try:
-        OffscreenRenderer(Physics().model(), 64, 64, "top").close()
-    except RenderingError as error:
-        if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
-            pytest.fail(f"PRP_REQUIRE_RENDERING=1, but: {error}")
-        pytest.skip(f"no drawing context on this machine: {error}")
 
 
 @pytest.mark.parametrize("indices", [None, 2, -1, [0, 3], (1,), range(1, 3), np.array([3, 1])])

@@ -1,7 +1,6 @@
 """Environments among many one by one, as Gymnasium's vectors have them: views, attributes, pictures."""
 
 import copy
-import os
 from typing import Any
 
 import numpy as np
@@ -9,25 +8,13 @@ import pytest
 
 import prp_gym  # noqa: F401  # before MuJoCo: it chooses how MuJoCo draws
 from prp_gym.envs import PRPVectorEnv
-from prp_gym.errors import EpisodeError, RenderingError, ShapeError
-from prp_gym.physics import Physics
-from prp_gym.physics.rendering import Arrow, OffscreenRenderer
+from prp_gym.errors import EpisodeError, ShapeError
+from prp_gym.physics.rendering import Arrow
 from tests.vector_episodes import IDS, SHORT, actions_for, assert_same, one_by_one, single, together
 
 N = 3
 FORCE = "PRP-Force-v0"
 PICTURE: dict[str, Any] = {"width": 64, "height": 48}
-
-
-@pytest.fixture(scope="module")
-def drawing() -> None:
-    """Skip where no picture can be drawn, unless that must not be."""
-    try:
-        OffscreenRenderer(Physics().model(), 16, 16, "top").close()
-    except (RenderingError, ImportError) as error:
-        if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
-            pytest.fail(f"PRP_REQUIRE_RENDERING=1, but: {error}")
-        pytest.skip(f"no drawing context on this machine: {error}")
 
 
 def stepped(env: Any, count: int = 3) -> Any:

@@ -1,6 +1,5 @@
 """The environments under the wrappers and vectors of Gymnasium and Stable-Baselines3."""
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +19,6 @@ from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import DummyVecEnv
 
 import prp_gym
-from prp_gym.errors import RenderingError
-from prp_gym.physics import Physics
-from prp_gym.physics.rendering import OffscreenRenderer
 
 Env = gymnasium.Env[Any, Any]
 RATE = 50
@@ -33,18 +29,6 @@ STEPS = round(RATE * DURATION)
 @pytest.fixture(params=prp_gym.list_envs())
 def environment_id(request: pytest.FixtureRequest) -> str:
     return str(request.param)
-
-
-@pytest.fixture(scope="module")
-def drawing() -> None:
-    """Skip where no film can be made, unless that must not be."""
-    try:
-        pytest.importorskip("moviepy", reason="moviepy is not installed")
-        OffscreenRenderer(Physics().model(), 64, 64, "top").close()
-    except (RenderingError, pytest.skip.Exception) as error:
-        if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
-            pytest.fail(f"PRP_REQUIRE_RENDERING=1, but: {error}")
-        pytest.skip(f"no film can be made on this machine: {error}")
 
 
 def made(environment_id: str, **keywords: Any) -> Env:

@@ -6,6 +6,8 @@ seeds make the intervals too narrow: where their spread dominates, 95 % interval
 cover the truth in about 75, 85, 90 or 93 % of all cases.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from prp_gym.errors import ShapeError
@@ -49,10 +51,7 @@ def bootstrap_nested(
 
     Source: Agarwal 2021, Davison 1997.
     """
-    check_bootstrap(confidence, resamples)
-    checked = check_scores(scores, "scores", _AXES)
-    drawn = [_draw_nested(checked, size, rng) for size in split_resamples(resamples, checked.size)]
-    return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)
+    return _bootstrap(scores, lambda checked, size: _draw_nested(checked, size, rng), confidence, resamples)
 
 
 def bootstrap_crossed(
@@ -79,13 +78,11 @@ def bootstrap_crossed(
 
     Source: Agarwal 2021, Owen 2007.
     """
-    check_bootstrap(confidence, resamples)
-    checked = check_scores(scores, "scores", _AXES)
-    drawn = []
-    for size in split_resamples(resamples, checked.size):
-        columns = _draw(size, checked.shape[1], rng)
-        drawn.append(_draw_crossed(checked, columns, rng))
-    return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)
+
+    def draw(checked: Array, size: int) -> Array:
+        return _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng)
+
+    return _bootstrap(scores, draw, confidence, resamples)
 
 
 def bootstrap_difference(
@@ -122,6 +119,16 @@ def bootstrap_difference(
         columns = _draw(size, ours.shape[1], rng)
         drawn.append(_draw_crossed(ours, columns, rng) - _draw_crossed(theirs, columns, rng))
     return _estimate(float(_pool(ours) - _pool(theirs)), np.concatenate(drawn), confidence)
+
+
+def _bootstrap(
+    scores: Array, draw: Callable[[Array, int], Array], confidence: float, resamples: int
+) -> Estimate:
+    """Interquartile mean of all scores, with an interval from resamples that are drawn block by block."""
+    check_bootstrap(confidence, resamples)
+    checked = check_scores(scores, "scores", _AXES)
+    drawn = [draw(checked, size) for size in split_resamples(resamples, checked.size)]
+    return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)
 
 
 def _pool(scores: Array) -> Array:
