@@ -1,5 +1,7 @@
 """The environments under the wrappers and vectors of Gymnasium and Stable-Baselines3."""
 
+import os
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +26,15 @@ Env = gymnasium.Env[Any, Any]
 RATE = 50
 DURATION = 0.5
 STEPS = round(RATE * DURATION)
+
+
+@pytest.fixture(scope="module")
+def filming(drawing: None) -> None:
+    """Skip where no film can be made, unless that must not be."""
+    if find_spec("moviepy") is None:
+        if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
+            pytest.fail("PRP_REQUIRE_RENDERING=1, but moviepy is not installed")
+        pytest.skip("moviepy is not installed")
 
 
 @pytest.fixture(params=prp_gym.list_envs())
@@ -108,7 +119,7 @@ def test_observations_can_be_normalized(environment_id: str) -> None:
     assert np.abs(values).max() < 50.0
 
 
-def test_film_of_an_episode_is_written(drawing: None, environment_id: str, tmp_path: Path) -> None:
+def test_film_of_an_episode_is_written(filming: None, environment_id: str, tmp_path: Path) -> None:
     folder = tmp_path / "films"
     env: Env = RecordVideo(
         made(environment_id, render_mode="rgb_array", width=64, height=64),
