@@ -40,15 +40,15 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
     def __init__(self, **keywords: object) -> None:
         self.config, self.options = parse_keywords(keywords, self.options_class)
         modes = [mode for mode in RENDER_MODES if mode != "human" or has_display()]
-        self.metadata = {"render_modes": modes, "render_fps": max(1, round(self.config.control_frequency))}
+        self.metadata = {"render_modes": modes, "render_fps": self.render_fps}
         if self.config.render_mode == "human" and not has_display():
             raise RenderingError(NO_DISPLAY)
         self.render_mode = self.config.render_mode
         self._loop = self.make_loop()
         self._info_names = tuple(field.name for field in self._loop.info_fields)
         self.observation_space = self._loop.task.layout.space()
-        self._action_shape = (self._loop.joints,)
-        self.action_space = gymnasium.spaces.Box(-1.0, 1.0, self._action_shape, np.float32)
+        self.action_space = self.make_action_space()
+        self._action_shape = self.action_space.shape
 
     @classmethod
     def make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from prp_gym.envs.checks import as_numbers
@@ -79,6 +80,15 @@ class LoopEnvironment:
     def duration(self) -> float:
         """Length of an episode [s]."""
         return self.config.duration
+
+    @property
+    def render_fps(self) -> int:
+        """Pictures a second that show the motion at its own speed, one an action, at least 1."""
+        return max(1, round(self.config.control_frequency))
+
+    def make_action_space(self) -> Box:
+        """Of one environment: joint torques over their limits (joints)."""
+        return Box(-1.0, 1.0, (self._loop.joints,), np.float32)
 
     def truth_of(self, index: int) -> Array:
         """What is true of one environment now (size), laid out as `task.truth_layout`."""

@@ -85,12 +85,11 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     def _describe(self) -> None:
         """Gymnasium's attributes."""
-        rate = max(1, round(self.config.control_frequency))
         modes = [mode for mode in RENDER_MODES if mode != "human"]
-        self.metadata = {"render_modes": modes, "render_fps": rate, "autoreset_mode": self._mode}
+        self.metadata = {"render_modes": modes, "render_fps": self.render_fps, "autoreset_mode": self._mode}
         self.render_mode = self.config.render_mode
         self.single_observation_space = self._loop.task.layout.space()
-        self.single_action_space = gymnasium.spaces.Box(-1.0, 1.0, (self._loop.joints,), np.float32)
+        self.single_action_space = self.make_action_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
