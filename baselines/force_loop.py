@@ -76,7 +76,8 @@ class ForceLoop(OperationalBaseline[SettingsT]):
     """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_r + M_d⁻¹(K_D (ẋ_r - ẋ) + K_P (x_r + x_F - x)).
 
     (x_r, ẋ_r, ẍ_r) is the motion without force error, x_F the displacement that the force error adds. Where
-    nothing asks for a force, none is desired. An actuator at its limit stops x_F.
+    nothing asks for a force, none is desired; a `force_offset` is added by whoever steers the law. An
+    actuator at its limit stops x_F.
 
     Args:
         interface: what the law may know of the environment.
@@ -107,7 +108,8 @@ class ForceLoop(OperationalBaseline[SettingsT]):
     def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
         """See `Baseline.control`."""
         measured, force = self.measured(observed), observed["contact_force"]
-        error = ForceError.of(observed.get("desired_force", np.zeros(force.shape)), force)
+        desired = observed.get("desired_force", np.zeros(force.shape)) + observed.get("force_offset", 0.0)
+        error = ForceError.of(desired, force)
         base = self.base_motion(observed, state, error)
         M_d, K_D, K_P = self.settings.inertia, self.settings.derivative_gain, self.settings.proportional_gain
         braking = K_D * (base.velocity - measured.velocity)

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from prp_gym.baselines.operational import MEASURED_MOTION, OperationalStaticBaseline
 from prp_gym.baselines.policy import Observed
 from prp_gym.baselines.settings import Settings, Vector
@@ -45,6 +47,9 @@ class Impedance(OperationalStaticBaseline[ImpedanceSettings]):
     arm, which takes about K dt (1/M_d - 1/m)/2 off the damping K_D/M_d, m being the mass of the arm along
     the normal (1.5 kg, down to 0.26 kg): a light M_d on a stiff surface chatters.
 
+    Whoever steers the law may vary K_P by `stiffness_factor` along x, y, z, α and β, with K_D so that every
+    axis keeps its damping ratio, and that ratio by `damping_factor`.
+
     Source: [S] 9.2.2; [R] 12, with M_d ẍ_d.
     """
 
@@ -58,8 +63,19 @@ class Impedance(OperationalStaticBaseline[ImpedanceSettings]):
         """See the class."""
         desired, state = self.desired(observed), self.measured(observed)
         force = observed["contact_force"]
-        pull = self.settings.damping * (desired.velocity - state.velocity)
-        pull = pull + self.settings.stiffness * (desired.pose - state.pose)
+        stiffness = self.settings.stiffness * _factor(observed, "stiffness_factor")
+        damping = self.settings.damping * np.sqrt(_factor(observed, "stiffness_factor"))
+        damping = damping * _factor(observed, "damping_factor")
+        pull = damping * (desired.velocity - state.velocity)
+        pull = pull + stiffness * (desired.pose - state.pose)
         pull[..., :3] -= force
         acceleration = desired.acceleration + pull / self.settings.inertia
         return self.resolved_torque(state, acceleration) + self.contact_torque(state, force)
+
+
+def _factor(observed: Observed, name: str) -> Array:
+    """A factor of all six axes (..., 6): the observed one, and 1 for γ; 1 throughout where there is none."""
+    if name not in observed:
+        return np.ones(6)
+    factor = observed[name]
+    return np.concatenate([factor, np.ones((*factor.shape[:-1], 1))], axis=-1)

@@ -8,7 +8,14 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.baselines.references import REFERENCE_FIELDS, JointReferences, PoseReferences, References
+from prp_gym.baselines.references import (
+    OFFSET_FIELDS,
+    REFERENCE_FIELDS,
+    JointReferences,
+    MovedReferences,
+    PoseReferences,
+    References,
+)
 from prp_gym.baselines.settings import Settings
 from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.robot.arm import PRPArm
@@ -48,11 +55,13 @@ class ControlInterface:
         """The interface of an environment of this suite or of many alike, wrapped or not.
 
         Raises:
-            InvalidValueError: another environment.
+            InvalidValueError: another environment, or one whose actions are not torques.
         """
         inner = getattr(env, "unwrapped", env)
         try:
-            task = _attribute(inner, "task")
+            task, mode = _attribute(inner, "task"), _attribute(inner, "action_mode")
+            if mode != "torque":
+                raise InvalidValueError("action_mode", mode, "'torque': the actions of a law are torques")
             return cls(
                 environment_id=task.environment_id,
                 layout=_attribute(inner, "observation_layout"),
@@ -258,6 +267,9 @@ def _require_like(fresh: LawState, state: LawState) -> None:
 
 
 def _references(layout: ObservationLayout, model: Model) -> References:
+    given: References
     if REFERENCE_FIELDS[0][0] in layout.names or isinstance(model, Link):
-        return JointReferences()
-    return PoseReferences(model)
+        given = JointReferences()
+    else:
+        given = PoseReferences(model)
+    return MovedReferences(given) if set(OFFSET_FIELDS) & set(layout.names) else given

@@ -13,6 +13,9 @@ REFERENCE_FIELDS = (
 )
 """The fields of a joint-space and of an operational-space reference; an environment observes one of them."""
 
+OFFSET_FIELDS = ("joint_offset", "pose_offset")
+"""By which whoever steers a law moves its reference, in the space of the law: (joints), and x, y, z, α, β."""
+
 
 class JointReference(NamedTuple):
     """A motion of the joints.
@@ -85,3 +88,26 @@ class PoseReferences(References):
         """As it is observed."""
         pose, velocity, acceleration = (observed[name] for name in REFERENCE_FIELDS[1])
         return PoseReference(pose, velocity, acceleration)
+
+
+class MovedReferences(References):
+    """A reference moved by an offset that is observed beside it; γ, which never moves, has none.
+
+    Args:
+        given: the reference as the environment gives it.
+    """
+
+    def __init__(self, given: References) -> None:
+        self._given = given
+
+    def joint(self, observed: Mapping[str, Array]) -> JointReference:
+        """The given motion, `joint_offset` further."""
+        motion = self._given.joint(observed)
+        return motion._replace(position=motion.position + observed["joint_offset"])
+
+    def pose(self, observed: Mapping[str, Array], arm: PRPArm) -> PoseReference:
+        """The given motion, `pose_offset` further."""
+        motion = self._given.pose(observed, arm)
+        pose, offset = motion.pose.copy(), observed["pose_offset"]
+        pose[..., : offset.shape[-1]] += offset
+        return motion._replace(pose=pose)

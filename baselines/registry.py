@@ -69,12 +69,16 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
         UnknownNameError: a law, gain set or setting that does not exist.
         MissingFieldError: the environment does not observe what the law reads.
         InvalidValueError: a setting that is not allowed, gains that are unstable at the environment's
-            control frequency, or an environment of another suite.
+            control frequency, an environment of another suite, or one whose actions are not torques.
     """
+    return make_law(name, ControlInterface.of(env), gains, **overrides)
+
+
+def make_law(name: str, interface: ControlInterface, gains: str = "tuned", **overrides: Any) -> Baseline[Any]:
+    """A control law on an interface; see `make_baseline`."""
     if name not in BASELINES:
         raise UnknownNameError("baseline", name, BASELINES)
     law = BASELINES[name]
-    interface = ControlInterface.of(env)
     values = load_gains(name, gains, interface.environment_id)
     values.pop("source")
     least = values.pop("minimum_frequency", 0.0)

@@ -7,6 +7,7 @@ from typing import Self, TypeVar
 
 import numpy as np
 
+from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE
 from prp_gym.envs.checks import shaped
 from prp_gym.envs.data import load_scenario
 from prp_gym.errors import InvalidValueError, UnknownNameError
@@ -17,7 +18,6 @@ from prp_gym.tasks.scenario import Scenario
 
 SUBSTEPS_PER_SECOND = 1000
 _LEAST_RATE = 1e-3  # Hz
-ACTION_MODES = ("torque",)
 RENDER_MODES = ("human", "rgb_array", "depth_array")
 UNLIMITED_TORQUE = 1e6
 """What `torque_limit=None` stands for [N m, N, N m]: more than any law asks for, yet finite."""
@@ -53,7 +53,12 @@ class EnvConfig:
         default=5.0, metadata=describe("s", "of an episode; a whole number of control periods")
     )
     action_mode: str = field(
-        default="torque", metadata=describe("", "what an action means; `torque`: joint torques over limits")
+        default=TORQUE,
+        metadata=describe("", "what an action means; `torque`: joint torques over limits"),
+    )
+    action_modes: str | None = field(
+        default=None,
+        metadata=describe("", "`module:function` that makes the other modes; the registered ids bring one"),
     )
     torque_limit: TorqueLimit = field(
         default="scenario",
@@ -71,8 +76,8 @@ class EnvConfig:
 
     def __post_init__(self) -> None:
         load_scenario(self.scenario)
-        if self.action_mode not in ACTION_MODES:
-            raise UnknownNameError("action_mode", self.action_mode, ACTION_MODES)
+        if self.action_mode != TORQUE and self.action_modes is None:
+            raise UnknownNameError("action_mode", self.action_mode, (TORQUE,))
         if self.render_mode is not None and self.render_mode not in RENDER_MODES:
             raise UnknownNameError("render_mode", self.render_mode, RENDER_MODES)
         self._check_numbers()
@@ -92,6 +97,9 @@ class EnvConfig:
         divides = _LEAST_RATE <= rate <= SUBSTEPS_PER_SECOND and _is_whole(SUBSTEPS_PER_SECOND / rate)
         if not divides:
             raise InvalidValueError("control_frequency", rate, f"a divisor of {SUBSTEPS_PER_SECOND}", "Hz")
+        if self.action_mode != TORQUE and not _is_whole(INNER_FREQUENCY / rate):
+            allowed = f"a divisor of {INNER_FREQUENCY:g}, the rate of the law in mode {self.action_mode!r}"
+            raise InvalidValueError("control_frequency", rate, allowed, "Hz")
         steps = self.duration * rate
         if not (math.isfinite(steps) and steps > 0.5 and _is_whole(steps)):
             allowed = f"a positive whole number of control periods of {1 / rate:g} s"
@@ -101,6 +109,16 @@ class EnvConfig:
     def substeps(self) -> int:
         """Time steps of the physics in a control period."""
         return round(SUBSTEPS_PER_SECOND / self.control_frequency)
+
+    @property
+    def periods(self) -> int:
+        """Periods of the inner law in a control period; 1 without one."""
+        return round(self.inner.control_frequency / self.control_frequency)
+
+    @property
+    def inner(self) -> Self:
+        """The same at the rate of the inner law; as it is without one."""
+        return self if self.action_mode == TORQUE else replace(self, control_frequency=INNER_FREQUENCY)
 
     @property
     def horizon(self) -> int:

@@ -1,5 +1,6 @@
 """`PRPEnv`: the Gymnasium environment, a loop of one."""
 
+from functools import partial
 from typing import Any, ClassVar
 
 import gymnasium
@@ -10,7 +11,7 @@ from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
 from prp_gym.envs.data import load_task_numbers
 from prp_gym.envs.loop import EpisodeLoop
-from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
+from prp_gym.envs.loop_environment import EnvState, LoopEnvironment, make_loop
 from prp_gym.errors import RenderingError, ShapeError
 from prp_gym.physics.rendering import NO_DISPLAY, WindowRenderer, has_display
 from prp_gym.robot.arrays import Array
@@ -23,8 +24,9 @@ _ONE_VALUE = ((),)  # of a reset option
 class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
     """One robot and one task.
 
-    Actions are torques over their limits, Box(-1, 1, (joints,), float32); observations a flat float64 vector
-    that `observation_layout` splits into named fields. Subclasses name their task.
+    Actions are Box(-1, 1, (size,), float32): torques over their limits, or what the `action_mode` makes of
+    them; observations a flat float64 vector that `observation_layout` splits into named fields. Subclasses
+    name their task.
 
     Args:
         keywords: see `EnvConfig`, and the task's own in `options_class`.
@@ -58,7 +60,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
 
     def make_loop(self, num_envs: int = 1, num_threads: int = 1) -> EpisodeLoop:
         """A new loop of environments made with this one's keywords."""
-        return EpisodeLoop(self.make_task(self.config, self.options), self.config, num_envs, num_threads)
+        return make_loop(partial(self.make_task, options=self.options), self.config, num_envs, num_threads)
 
     @property
     def truth(self) -> Array:
@@ -104,7 +106,8 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         """One control period.
 
         Args:
-            action: (3) torques over their limits; beyond ±1 they are clipped and counted in `info`.
+            action: (size) its parts over their bounds; what is beyond ±1 is clipped, and torques that are so
+                are counted in `info`.
 
         Returns:
             observation (size), reward [s], whether the simulation diverged, whether the duration is

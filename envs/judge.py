@@ -34,7 +34,10 @@ class Judge:
         num_envs = physics.num_simulations
         self._physics = physics
         self._reward = Reward(task.numbers.reward, task.period)
-        terms = [InfoField(f"reward_{t.name}", "s", f"reward from {t.name}") for t in self._reward.terms]
+        terms = [
+            InfoField(f"reward_{term.name}", "s", f"reward from {term.name}", summed=True)
+            for term in self._reward.terms
+        ]
         self._touches = "contact_force" in task.layout.names
         self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._touches else ()))
         bound = float(task.numbers.constants.get("force_bound", np.inf))

@@ -4,24 +4,26 @@ Everything here is written once over N; a single environment is a loop of one.
 """
 
 import copy
-from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.action_mode import ActionField, torque_field
 from prp_gym.envs.actuators import make_actuators
 from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.judge import Judge
 from prp_gym.envs.reference_window import ReferenceWindow
 from prp_gym.envs.sensors import make_sensors
+from prp_gym.envs.step import Step
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.batch_simulation import PhysicsState
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
-_STATE = (
+STATE = (
     "task",
     "truth",
     "commanded_torque",
@@ -31,24 +33,7 @@ _STATE = (
     "_unplayable",
     "_playable",
 )
-
-
-class Step(NamedTuple):
-    """What one step of N environments returned.
-
-    Attributes:
-        observation: (N, size), new.
-        reward: (N) [s].
-        terminated: (N), diverged.
-        truncated: (N), the episode's duration is over.
-        info: (N, number of info fields).
-    """
-
-    observation: Array
-    reward: Array
-    terminated: NDArray[np.bool_]
-    truncated: NDArray[np.bool_]
-    info: Array
+"""The attributes that determine how a loop goes on."""
 
 
 class LoopState(NamedTuple):
@@ -72,7 +57,11 @@ class EpisodeLoop:
         commanded_torque: of the last step, within the limits (N, joints) [N m, N, N m].
         truth: what is true now (N, task.truth_layout.size); the observation is its reading.
         info_fields: the columns of a step's `info`.
+        action_fields: the parts of an action.
+        state_names: the attributes that determine how the environments go on.
     """
+
+    state_names: ClassVar[tuple[str, ...]] = STATE
 
     def __init__(self, task: Task[Any], config: EnvConfig, num_envs: int = 1, num_threads: int = 1) -> None:
         self.task = task
@@ -81,6 +70,8 @@ class EpisodeLoop:
         nominal = task.model.parameters.torque_limit
         self.torque_limit = config.limits(nominal)
         self.joints = len(nominal)
+        self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
+        self._on_period: Callable[[Step], None] = _nothing
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
         self._judge = Judge(task, self.physics, config.control_frequency)
         self.info_fields = self._judge.info_fields
@@ -181,7 +172,7 @@ class EpisodeLoop:
         if idle is not None:
             action = np.where(idle[:, None], 0.0, action)
         if not self._playable:
-            self._require_playable(np.zeros_like(self._unplayable) if idle is None else idle)
+            self.require_playable(np.zeros_like(self._unplayable) if idle is None else idle)
         action, saturated = self._limited(action)
         command = action * self._limit
         self.commanded_torque = command
@@ -200,7 +191,9 @@ class EpisodeLoop:
         if not self._playable:
             self._judge.forfeit(reward, info, terminated)
             truncated &= ~terminated
-        return Step(self._observe(), reward, terminated, truncated, info)
+        outcome = Step(self._observe(), reward, terminated, truncated, info)
+        self._on_period(outcome)
+        return outcome
 
     def _limited(self, action: Array) -> tuple[Array, NDArray[np.bool_] | None]:
         """Actions within ±1, and which were not inside (N, joints); None where all were."""
@@ -237,13 +230,29 @@ class EpisodeLoop:
             observation[which] = np.clip(observation[which], self._space.low, self._space.high)
         return observation
 
-    def _require_playable(self, idle: NDArray[np.bool_]) -> None:
-        """Refuse to step environments that cannot be; diverged ones may wait beside the others."""
+    def require_playable(self, idle: NDArray[np.bool_]) -> None:
+        """Refuse to step environments that cannot be; diverged ones may wait beside the others.
+
+        Args:
+            idle: (N) which environments only wait for their reset.
+
+        Raises:
+            EpisodeError: one of the others was not reset, or has diverged.
+        """
         stuck = np.flatnonzero(self._unplayable & ~idle).tolist()
         if stuck:
             raise EpisodeError(
                 f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
             )
+
+    @property
+    def action_size(self) -> int:
+        """Number of components of one environment's action."""
+        return sum(field.size for field in self.action_fields)
+
+    def listen(self, listener: Callable[[Step], None] | None) -> None:
+        """Have every control period's outcome told to someone, or to nobody."""
+        self._on_period = listener or _nothing
 
     @property
     def started(self) -> bool:
@@ -278,4 +287,8 @@ class EpisodeLoop:
         return self._observe()
 
     def _rest(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in _STATE}
+        return {name: getattr(self, name) for name in self.state_names}
+
+
+def _nothing(_: Step) -> None:
+    """Nobody listens."""

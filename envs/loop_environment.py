@@ -1,17 +1,20 @@
 """What one environment and many together have in common: keywords, task, loop, pictures."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
+from gymnasium.envs.registration import load_env_creator
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from prp_gym.envs.action_mode import TORQUE, ActionField, ModeMaker
 from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.info import InfoField
 from prp_gym.envs.loop import EpisodeLoop, LoopState
+from prp_gym.envs.mode_loop import ModeLoop
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import Mark, OffscreenRenderer, WindowRenderer, force_arrow
@@ -20,6 +23,8 @@ from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.task import Task
+
+TaskMaker = Callable[[EnvConfig], Task[Any]]
 
 _VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
 
@@ -31,6 +36,28 @@ class EnvState(NamedTuple):
     config: EnvConfig
     options: object
     generators: tuple[Mapping[str, Any], ...]
+
+
+def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_threads: int) -> EpisodeLoop:
+    """N environments of a task, with what their actions mean.
+
+    Args:
+        make_task: from keywords, at their control frequency.
+        config: common keywords.
+        num_envs: N.
+        num_threads: of the physics; 0 takes all cores.
+
+    Raises:
+        PRPError: a mode that does not exist, or that the task's observations do not serve.
+    """
+    inner = config.inner
+    task = make_task(inner)
+    if config.action_modes is None or config.action_mode == TORQUE:
+        return EpisodeLoop(task, inner, num_envs, num_threads)
+    make_mode = cast(ModeMaker, load_env_creator(config.action_modes))
+    limit = config.limits(task.model.parameters.torque_limit)
+    mode = make_mode(config.action_mode, task, limit, 1.0 / inner.control_frequency)
+    return ModeLoop(task, inner, mode, config.periods, num_envs, num_threads)
 
 
 class LoopEnvironment:
@@ -86,9 +113,19 @@ class LoopEnvironment:
         """Pictures a second that show the motion at its own speed, one an action, at least 1."""
         return max(1, round(self.config.control_frequency))
 
+    @property
+    def action_mode(self) -> str:
+        """What an action means."""
+        return self.config.action_mode
+
+    @property
+    def action_fields(self) -> tuple[ActionField, ...]:
+        """The parts of an action, with units and bounds."""
+        return self._loop.action_fields
+
     def make_action_space(self) -> Box:
-        """Of one environment: joint torques over their limits (joints)."""
-        return Box(-1.0, 1.0, (self._loop.joints,), np.float32)
+        """Of one environment: the action's parts over their bounds."""
+        return Box(-1.0, 1.0, (self._loop.action_size,), np.float32)
 
     def truth_of(self, index: int) -> Array:
         """What is true of one environment now (size), laid out as `task.truth_layout`."""

@@ -1,7 +1,7 @@
 """`PRPVectorEnv`: many environments of one task, stepped together on MuJoCo's native threads."""
 
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar, NamedTuple
 
 import gymnasium
@@ -14,8 +14,8 @@ from prp_gym.envs.checks import as_numbers, whole
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.generators import Generators, Seeds
-from prp_gym.envs.loop import EpisodeLoop, Step
-from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
+from prp_gym.envs.loop_environment import EnvState, LoopEnvironment, make_loop
+from prp_gym.envs.step import Step
 from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
 from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
@@ -76,8 +76,8 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         self.num_envs = whole("num_envs", num_envs, 1)
         threads = parse_threads(num_threads, self.num_envs)
         self._mode = parse_mode(autoreset_mode)
-        task = kind.make_task(self.config, self.options)
-        self._loop = EpisodeLoop(task, self.config, self.num_envs, threads)
+        make_task = partial(kind.make_task, options=self.options)
+        self._loop = make_loop(make_task, self.config, self.num_envs, threads)
         self._names = tuple(field.name for field in self._loop.info_fields)
         self.generators = Generators(self.num_envs)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _SHARED = frozenset(
     (
+        "action_fields",
+        "action_mode",
         "arm",
         "config",
         "control_frequency",

@@ -10,7 +10,6 @@ import pytest
 
 from prp_gym.envs import JointRegulation, JointRegulationEnv, JointTrackingEnv
 from prp_gym.envs.config import (
-    ACTION_MODES,
     RENDER_MODES,
     SUBSTEPS_PER_SECOND,
     UNLIMITED_TORQUE,
@@ -152,7 +151,7 @@ def test_torque_limit_by_an_unknown_word_is_refused() -> None:
     ("keyword", "valid"),
     [
         ("scenario", SCENARIOS),
-        ("action_mode", ACTION_MODES),
+        ("action_mode", ("torque",)),
         ("render_mode", RENDER_MODES),
         ("camera", CAMERAS),
     ],

@@ -13,7 +13,7 @@ import pytest
 import prp_gym
 from prp_gym.envs import EpisodeLoop, JointRegulation, PRPEnv
 from prp_gym.envs.info import COMMON_INFO
-from prp_gym.envs.loop import Step
+from prp_gym.envs.step import Step
 from prp_gym.errors import EpisodeError, InvalidValueError, JointLimitError, NonFiniteError, ShapeError
 from prp_gym.robot import NOMINAL
 from prp_gym.robot.arrays import Array

@@ -1,0 +1,155 @@
+"""The action modes by name, and how to make one."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from prp_gym.action_modes.steered_law import ResidualMode, SteeredLaw
+from prp_gym.baselines.policy import ControlInterface
+from prp_gym.baselines.registry import BASELINES
+from prp_gym.envs.action_mode import TORQUE, ActionField, ActionMode
+from prp_gym.errors import UnknownNameError
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import TORQUE_UNITS
+from prp_gym.tasks.task import Task
+
+RESIDUAL_SHARE = 0.2
+"""How much of the actuator limits a residual may add to a law's torque."""
+
+_RESIDUAL = "residual:"
+_JOINT_BOUND = (0.3, 0.05, 0.3)
+_JOINT_UNITS = ("rad", "m", "rad")
+_POSE_BOUND = (0.05, 0.05, 0.05, 0.3, 0.3)
+_POSE_UNITS = ("m", "m", "m", "rad", "rad")
+_FORCE_BOUND = (5.0, 5.0, 5.0)
+_FACTOR_UNITS = ("1",) * 5
+
+Fields = tuple[ActionField, ...]
+
+
+def _joint_offset(joints: int) -> Fields:
+    """Of the arm or of the single link."""
+    units, bound = _JOINT_UNITS[:joints], _JOINT_BOUND[:joints]
+    return (ActionField("joint_offset", units, "joint", bound, "added to the desired joint position q_d"),)
+
+
+_POSE_OFFSET = ActionField(
+    "pose_offset", _POSE_UNITS, "world", _POSE_BOUND, "added to x, y, z, α, β of the desired pose x_d"
+)
+_STIFFNESS_FACTOR = ActionField(
+    "stiffness_factor",
+    _FACTOR_UNITS,
+    "world",
+    (10.0,) * 5,
+    "times the law's K_P along x, y, z, α, β; K_D follows, so that the damping ratio stays",
+    factor=True,
+)
+_DAMPING_FACTOR = ActionField(
+    "damping_factor",
+    _FACTOR_UNITS,
+    "world",
+    (4.0,) * 5,
+    "times the law's damping ratio along x, y, z, α, β",
+    factor=True,
+)
+_FORCE_OFFSET = ActionField(
+    "force_offset", ("N",) * 3, "world", _FORCE_BOUND, "added to the desired force f_d by the tip"
+)
+
+
+def _pose_offset(_: int) -> Fields:
+    return (_POSE_OFFSET,)
+
+
+@dataclass(frozen=True)
+class ModeEntry:
+    """A mode in which the action steers an inner law.
+
+    Attributes:
+        name: of the mode.
+        law: the baseline that runs inside, with its `tuned` gains.
+        fields: the parts of an action, from the number of joints.
+        summary: one line for listings.
+    """
+
+    name: str
+    law: str
+    fields: Callable[[int], Fields]
+    summary: str
+
+
+MODES = {
+    entry.name: entry
+    for entry in (
+        ModeEntry("joint_position", "joint_pd", _joint_offset, "moves the reference of joint PD control"),
+        ModeEntry(
+            "joint_inverse_dynamics",
+            "joint_inverse_dynamics",
+            _joint_offset,
+            "moves the reference of joint-space inverse dynamics",
+        ),
+        ModeEntry(
+            "operational_position",
+            "operational_pd",
+            _pose_offset,
+            "moves the reference of operational-space PD control",
+        ),
+        ModeEntry("impedance", "impedance", _pose_offset, "moves the reference of impedance control"),
+        ModeEntry(
+            "variable_stiffness",
+            "impedance",
+            lambda _: (_POSE_OFFSET, _STIFFNESS_FACTOR),
+            "moves the reference of impedance control and sets its stiffness",
+        ),
+        ModeEntry(
+            "variable_impedance",
+            "impedance",
+            lambda _: (_POSE_OFFSET, _STIFFNESS_FACTOR, _DAMPING_FACTOR),
+            "moves the reference of impedance control and sets its stiffness and damping",
+        ),
+        ModeEntry("admittance", "admittance", _pose_offset, "moves the reference of admittance control"),
+        ModeEntry(
+            "force_position",
+            "parallel_force_position",
+            lambda _: (_POSE_OFFSET, _FORCE_OFFSET),
+            "moves position and force of parallel force/position control",
+        ),
+    )
+}
+"""The modes that move what a law takes for desired, by name."""
+
+
+def list_action_modes() -> list[str]:
+    """The names of all modes; which of them an environment can have depends on what it observes."""
+    return [TORQUE, *MODES, *(f"{_RESIDUAL}{law}" for law in BASELINES)]
+
+
+def make_action_mode(name: str, task: Task[Any], torque_limit: Array, period: float) -> ActionMode:
+    """A mode beside `torque`, for a task.
+
+    Args:
+        name: see `list_action_modes`.
+        task: whose observations the inner law will read.
+        torque_limit: joint torques at 1 (joints) [N m, N, N m].
+        period: of the inner law [s].
+
+    Raises:
+        UnknownNameError: no such mode.
+        MissingFieldError: the task does not show what the inner law reads.
+    """
+    if name not in list_action_modes():
+        raise UnknownNameError("action_mode", name, list_action_modes())
+    interface = ControlInterface(
+        task.environment_id, task.layout, torque_limit, period, task.model, task.asked
+    )
+    joints = len(torque_limit)
+    if name.startswith(_RESIDUAL):
+        return ResidualMode(name.removeprefix(_RESIDUAL), _residual(torque_limit), interface)
+    entry = MODES[name]
+    return SteeredLaw(entry.law, entry.fields(joints), interface)
+
+
+def _residual(torque_limit: Sequence[float] | Array) -> ActionField:
+    bound = tuple(RESIDUAL_SHARE * float(limit) for limit in torque_limit)
+    units = TORQUE_UNITS[: len(bound)]
+    return ActionField("residual_torque", units, "joint", bound, "added to the torques of the law")
