@@ -69,6 +69,11 @@ class LoopEnvironment:
     _renderer: OffscreenRenderer | WindowRenderer | None = None
 
     @property
+    def loop(self) -> EpisodeLoop:
+        """What counts time and puts physics and task together."""
+        return self._loop
+
+    @property
     def observation_layout(self) -> ObservationLayout:
         """Where each field lies in an observation."""
         return self._loop.task.layout

@@ -14,7 +14,8 @@ import pytest
 from numpy.typing import NDArray
 
 import prp_gym
-from prp_gym.evaluation.rollout import Rollout, record_episode
+from prp_gym.evaluation.episode import record_episode
+from prp_gym.evaluation.rollout import Rollout
 
 Array = NDArray[np.float64]
 

@@ -1,12 +1,13 @@
 """Evaluation: recorded episodes, metrics, statistics, results."""
 
+from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.evaluate import Evaluation, evaluate
 from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_nested
 from prp_gym.evaluation.improvement import paired_probability_of_improvement, probability_of_improvement
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import METRICS, episode_metrics
 from prp_gym.evaluation.profiles import Profile, performance_profile
-from prp_gym.evaluation.rollout import Policy, Rollout, record_episode
+from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean, interquartile_mean
 
 __all__ = [

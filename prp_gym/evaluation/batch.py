@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium.utils import seeding
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
+from prp_gym.evaluation.recorder import Recorder
 from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
 from prp_gym.robot.arrays import Array
 
@@ -31,30 +32,6 @@ def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
     if owner is None or env.render_mode is not None:
         return False
     return all(getattr(type(env), name) is getattr(owner, name) for name in ("step", "reset"))
-
-
-class _Recorder:
-    """What N episodes of at most T steps leave behind, time along the first axis."""
-
-    def __init__(self, loop: Any, horizon: int) -> None:
-        rows, joints = loop.num_envs, loop.joints
-        self.truth = np.empty((horizon + 1, *loop.truth.shape))
-        self.torque = np.empty((horizon, rows, joints))
-        self.applied = np.empty((horizon, rows, joints))
-        self.info = np.empty((horizon, rows, len(loop.info_fields)))
-        self.length = np.full(rows, horizon)
-        self.diverged = np.zeros(rows, dtype=np.bool_)
-        self.truth[0] = loop.truth
-
-    def take(self, index: int, loop: Any, step: Any) -> None:
-        """Keep one step; what comes after a divergence belongs to no episode."""
-        self.truth[index + 1] = loop.truth
-        self.torque[index] = loop.commanded_torque
-        self.applied[index] = loop.physics.torque
-        self.info[index] = step.info
-        first = step.terminated & ~self.diverged
-        self.length[first] = index + 1
-        self.diverged |= first
 
 
 def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> list[Rollout]:
@@ -86,22 +63,20 @@ def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     loop, everyone = inner.make_loop(len(seeds)), np.ones(len(seeds), dtype=np.bool_)
     rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
     observation = loop.reset(np.arange(len(seeds)), rngs, {})
-    horizon = inner.config.horizon
-    recorder, times = _Recorder(loop, horizon), []
+    horizon, recorder, times = inner.config.horizon, Recorder(inner, loop), []
     state, starts = None, everyone
     pauses = set(np.linspace(0, horizon - 1, _TIMED, dtype=int).tolist())
-    for index in range(horizon):
-        if index in pauses:
-            times.append(_time_one(policy, observation[0]))
-        action, state = policy.predict(observation, state, episode_start=starts, deterministic=True)
-        step = loop.step(np.asarray(action, dtype=np.float64))
-        recorder.take(index, loop, step)
-        observation, starts = step.observation, ~everyone
-        if step.terminated.any():
-            again = np.flatnonzero(step.terminated)
-            observation, starts[again] = loop.reset(again, [rngs[row] for row in again], {}), True
-    compute_time = np.array(times)
-    return [_rollout(inner, loop, recorder, row, int(seed), compute_time) for row, seed in enumerate(seeds)]
+    with recorder.listening():
+        for index in range(horizon):
+            if index in pauses:
+                times.append(_time_one(policy, observation[0]))
+            action, state = policy.predict(observation, state, episode_start=starts, deterministic=True)
+            step = loop.step(np.asarray(action, dtype=np.float64))
+            observation, starts = step.observation, ~everyone
+            if step.terminated.any():
+                again = np.flatnonzero(step.terminated)
+                observation, starts[again] = loop.reset(again, [rngs[row] for row in again], {}), True
+    return [recorder.rollout(row, int(seed), np.array(times)) for row, seed in enumerate(seeds)]
 
 
 def _time_one(policy: Policy, observation: Array) -> float:
@@ -109,25 +84,3 @@ def _time_one(policy: Policy, observation: Array) -> float:
     before = time.perf_counter()
     policy.predict(observation, None, episode_start=np.array([True]), deterministic=True)
     return time.perf_counter() - before
-
-
-def _rollout(inner: Any, loop: Any, recorder: _Recorder, row: int, seed: int, times: Array) -> Rollout:
-    steps = slice(0, int(recorder.length[row]))
-    info = {
-        field.name: recorder.info[steps, row, column].copy() for column, field in enumerate(loop.info_fields)
-    }
-    rewards = [values for name, values in info.items() if name.startswith("reward_")]
-    return Rollout(
-        environment_id=inner.task.environment_id,
-        scenario=inner.task.scenario.name,
-        seed=seed,
-        period=1.0 / inner.control_frequency,
-        duration=float(inner.duration),
-        fields=inner.task.truth_layout.split(recorder.truth[: steps.stop + 1, row].copy()),
-        torque=recorder.torque[steps, row].copy(),
-        applied_torque=recorder.applied[steps, row].copy(),
-        reward=np.sum(rewards, axis=0),
-        info=info,
-        diverged=bool(recorder.diverged[row]),
-        compute_time=times,
-    )

@@ -10,8 +10,9 @@ import numpy as np
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.batch import can_batch, record_episodes
+from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.metrics import episode_metrics
-from prp_gym.evaluation.rollout import Policy, Rollout, record_episode
+from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
 from prp_gym.robot.arrays import Array
 

@@ -1,6 +1,5 @@
-"""A recorded episode, and how to record one."""
+"""A recorded episode, and who may play one."""
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -28,13 +27,13 @@ class Policy(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """One episode of T steps.
+    """One episode of T periods.
 
     Attributes:
         environment_id: of the environment.
         scenario: its scenario.
         seed: with which the episode was reset.
-        period: of control [s].
+        period: of the torques: that of control, or of the inner law where there is one [s].
         duration: that the episode was to have [s].
         fields: what was true, by field name (T + 1, size), the first row from the reset; those of the
             observation, without the errors of sensors, and those that the task judges by.
@@ -44,7 +43,7 @@ class Rollout:
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
         compute_time: of the policy for one action, some or all of them [s]; the only part that is not
-            reproducible.
+            reproducible. What an inner law takes is not in it.
     """
 
     environment_id: str
@@ -76,51 +75,3 @@ def check_environment(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:
     if not hasattr(inner, "observation_layout"):
         raise InvalidValueError("env", env, "an environment of prp_gym")
     return inner
-
-
-def record_episode(
-    policy: Policy, env: gymnasium.Env[Any, Any], seed: int, options: dict[str, Any] | None = None
-) -> Rollout:
-    """Play one episode and record it.
-
-    Args:
-        policy: reads the environment's observations.
-        env: an environment of this suite; wrappers must leave observations as they are.
-        seed: of the episode.
-        options: for `reset`.
-
-    Returns:
-        the episode.
-
-    Raises:
-        InvalidValueError: an environment of another suite.
-    """
-    inner = check_environment(env)
-    observation, _ = env.reset(seed=seed, options=options)
-    truths, torques, applied, rewards, infos, costs = [inner.get_wrapper_attr("truth")], [], [], [], [], []
-    state, start, terminated, truncated = None, np.array([True]), False, False
-    while not (terminated or truncated):
-        before = time.perf_counter()
-        action, state = policy.predict(observation, state, episode_start=start, deterministic=True)
-        costs.append(time.perf_counter() - before)
-        observation, _, terminated, truncated, info = env.step(action)
-        start = np.array([False])
-        truths.append(inner.get_wrapper_attr("truth"))
-        torques.append(inner.get_wrapper_attr("commanded_torque"))
-        applied.append(inner.get_wrapper_attr("applied_torque"))
-        rewards.append(sum(value for name, value in info.items() if name.startswith("reward_")))
-        infos.append(info)
-    return Rollout(
-        environment_id=inner.get_wrapper_attr("task").environment_id,
-        scenario=inner.get_wrapper_attr("task").scenario.name,
-        seed=seed,
-        period=1.0 / inner.get_wrapper_attr("control_frequency"),
-        duration=float(inner.get_wrapper_attr("duration")),
-        fields=inner.get_wrapper_attr("task").truth_layout.split(np.array(truths)),
-        torque=np.array(torques),
-        applied_torque=np.array(applied),
-        reward=np.array(rewards),
-        info={name: np.array([row[name] for row in infos]) for name in infos[0]},
-        diverged=terminated,
-        compute_time=np.array(costs),
-    )

@@ -1,0 +1,41 @@
+"""One episode, played through an environment's wrappers and recorded."""
+
+import time
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+from prp_gym.evaluation.recorder import Recorder
+from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
+
+
+def record_episode(
+    policy: Policy, env: gymnasium.Env[Any, Any], seed: int, options: dict[str, Any] | None = None
+) -> Rollout:
+    """Play one episode and record it.
+
+    Args:
+        policy: reads the environment's observations.
+        env: an environment of this suite; wrappers must leave observations as they are.
+        seed: of the episode.
+        options: for `reset`.
+
+    Returns:
+        the episode.
+
+    Raises:
+        InvalidValueError: an environment of another suite.
+    """
+    inner: Any = check_environment(env)
+    observation, _ = env.reset(seed=seed, options=options)
+    recorder, costs = Recorder(inner, inner.loop), []
+    state, start, over = None, np.array([True]), False
+    with recorder.listening():
+        while not over:
+            before = time.perf_counter()
+            action, state = policy.predict(observation, state, episode_start=start, deterministic=True)
+            costs.append(time.perf_counter() - before)
+            observation, _, terminated, truncated, _ = env.step(action)
+            start, over = np.array([False]), terminated or truncated
+    return recorder.rollout(0, seed, np.array(costs))

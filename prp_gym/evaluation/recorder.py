@@ -1,0 +1,81 @@
+"""What N episodes leave behind, written down period by period."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from prp_gym.evaluation.rollout import Rollout
+from prp_gym.robot.arrays import Array
+
+
+class Recorder:
+    """Episodes of N environments that start together; time along the first axis.
+
+    What is written down are the periods in which torques are set: with an inner law they are more than there
+    are actions, so that episodes compare whatever an action means.
+
+    Args:
+        env: an environment of this suite, without wrappers.
+        loop: of N environments, all just reset.
+    """
+
+    def __init__(self, env: Any, loop: Any) -> None:
+        rows, joints, horizon = loop.num_envs, loop.joints, loop.config.horizon
+        self._env, self._loop = env, loop
+        self._truth = np.empty((horizon + 1, *loop.truth.shape))
+        self._torque = np.empty((horizon, rows, joints))
+        self._applied = np.empty((horizon, rows, joints))
+        self._info = np.empty((horizon, rows, len(loop.info_fields)))
+        self._count = 0
+        self._ended = np.full(rows, -1)
+        self._truth[0] = loop.truth
+
+    @contextmanager
+    def listening(self) -> Iterator[None]:
+        """Write down whatever is played meanwhile."""
+        self._loop.listen(self._take)
+        try:
+            yield
+        finally:
+            self._loop.listen(None)
+
+    def _take(self, step: Any) -> None:
+        """Write down one period; what comes after a divergence belongs to no episode."""
+        index, loop = self._count, self._loop
+        self._truth[index + 1] = loop.truth
+        self._torque[index] = loop.commanded_torque
+        self._applied[index] = loop.physics.torque
+        self._info[index] = step.info
+        self._count += 1
+        self._ended[step.terminated & (self._ended < 0)] = self._count
+
+    def rollout(self, row: int, seed: int, compute_time: Array) -> Rollout:
+        """The episode of one environment.
+
+        Args:
+            row: of the environment.
+            seed: with which it was reset.
+            compute_time: of the policy for one action [s].
+        """
+        inner, loop, diverged = self._env, self._loop, bool(self._ended[row] >= 0)
+        steps = slice(0, int(self._ended[row]) if diverged else self._count)
+        info = {
+            field.name: self._info[steps, row, column].copy() for column, field in enumerate(loop.info_fields)
+        }
+        rewards = [values for name, values in info.items() if name.startswith("reward_")]
+        return Rollout(
+            environment_id=inner.task.environment_id,
+            scenario=inner.task.scenario.name,
+            seed=seed,
+            period=1.0 / loop.config.control_frequency,
+            duration=float(inner.duration),
+            fields=inner.task.truth_layout.split(self._truth[: steps.stop + 1, row].copy()),
+            torque=self._torque[steps, row].copy(),
+            applied_torque=self._applied[steps, row].copy(),
+            reward=np.sum(rewards, axis=0),
+            info=info,
+            diverged=diverged,
+            compute_time=compute_time,
+        )
