@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,9 @@ import numpy as np
 
 from prp_gym.errors import InvalidValueError, MissingPackageError
 from prp_gym.evaluation.results import prepare_folder
+from prp_gym.tuning.local_step import is_local, local_step
 from prp_gym.tuning.search_space import SearchSpace
+from prp_gym.tuning.trial import Trial
 
 if TYPE_CHECKING:
     import optuna
@@ -21,29 +22,18 @@ _NAME = "tuning"
 _KEY = "key"
 
 
-@dataclass(frozen=True)
-class Trial:
-    """A candidate that was played to the end.
-
-    Attributes:
-        factors: by the parameters' names.
-        score: mean over the episodes [1].
-        steps: that it is charged.
-        seconds: that it took [s].
-    """
-
-    factors: Mapping[str, float]
-    score: float
-    steps: int
-    seconds: float
-
-
 class StoredStudy:
     """Proposals for candidates, and what became of them.
 
+    The first candidate is the centre of the space. Of the others, one in three comes from Optuna's sampler
+    (multivariate TPE), which looks everywhere and learns from all trials; two are steps from the best one so
+    far, since in many dimensions a small budget finds little that is better than gains already good but near
+    them.
+
     The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
-    goes on makes the same proposals as one that was not. A trial that was under way is forgotten, and its
-    steps are not charged, since nothing was learned from them. One run at a time may use a folder.
+    goes on makes the same proposals as one that was not. The journal holds finished trials alone, each written
+    in one piece: one that was under way when the run was killed is played again, and its steps are charged
+    once, since nothing was learned from them before. One run at a time may use a folder.
 
     Args:
         folder: of the journal file.
@@ -63,70 +53,66 @@ class StoredStudy:
     ) -> None:
         self._optuna = _import_optuna()
         self._space, self._seed = space, seed
+        self._study = self._optuna.create_study(direction="maximize")
+        self._journal = self._open_journal(folder, resume)
+        self._check_key(key, folder)
+        self._study.add_trials(self._journal.get_trials(deepcopy=False))
+        self.trials = [_read(trial) for trial in self._study.get_trials(deepcopy=False)]
+
+    def propose(self) -> dict[str, float]:
+        """The factors of the next candidate; those of the first are 1."""
+        index = len(self.trials)
+        seeds = np.random.SeedSequence((self._seed, index))
+        self._study.sampler = self._optuna.samplers.TPESampler(seed=int(seeds.generate_state(1)[0]))
+        if index == 0:
+            self._study.enqueue_trial(self._space.start)
+        elif is_local(index):
+            step = local_step(self._space, self.trials, np.random.default_rng(seeds))
+            self._study.enqueue_trial(step)
+        kind = self._optuna.distributions.FloatDistribution
+        self._open = self._study.ask(
+            {item.name: kind(item.low, item.high, log=True) for item in self._space.parameters}
+        )
+        return dict(self._open.params)
+
+    def record(self, score: float, steps: int, seconds: float) -> Trial:
+        """Finish the candidate that was proposed last, and keep it."""
+        self._open.set_user_attr("steps", steps)
+        self._open.set_user_attr("seconds", seconds)
+        finished = self._study.tell(self._open, score)
+        self._journal.add_trial(finished)
+        self.trials.append(_read(finished))
+        return self.trials[-1]
+
+    def _open_journal(self, folder: Path, resume: bool) -> optuna.Study:
         path = folder / JOURNAL
         if path.exists() and not resume:
             raise InvalidValueError("output", str(folder), "a folder without a search, or --resume to go on")
         prepare_folder(folder)
         _repair(path)
         backend = self._optuna.storages.journal.JournalFileBackend(str(path))
-        self._study = self._optuna.create_study(
+        study: optuna.Study = self._optuna.create_study(
             storage=self._optuna.storages.JournalStorage(backend),
             study_name=_NAME,
             direction="maximize",
             load_if_exists=True,
         )
-        self._check_key(key, folder)
-        self._forget_unfinished()
-        self.trials = self._read()
-
-    def propose(self) -> dict[str, float]:
-        """The factors of the next candidate; those of the first are 1."""
-        index = len(self.trials)
-        seed = int(np.random.SeedSequence((self._seed, index)).generate_state(1)[0])
-        self._study.sampler = self._optuna.samplers.TPESampler(seed=seed)
-        if index == 0:
-            self._study.enqueue_trial(self._space.start)
-        self._open = self._study.ask(self._distributions())
-        return dict(self._open.params)
-
-    def record(self, score: float, steps: int, seconds: float) -> Trial:
-        """Finish the candidate that was proposed last."""
-        self._open.set_user_attr("steps", steps)
-        self._open.set_user_attr("seconds", seconds)
-        self._study.tell(self._open, score)
-        trial = Trial(dict(self._open.params), score, steps, seconds)
-        self.trials.append(trial)
-        return trial
-
-    def _distributions(self) -> dict[str, optuna.distributions.BaseDistribution]:
-        kind = self._optuna.distributions.FloatDistribution
-        return {item.name: kind(item.low, item.high, log=True) for item in self._space.parameters}
+        return study
 
     def _check_key(self, key: Mapping[str, Any], folder: Path) -> None:
         """Keep the key of a new study; refuse the trials of another."""
-        kept = self._study.user_attrs.get(_KEY)
+        kept = self._journal.user_attrs.get(_KEY)
         if kept is None:
-            self._study.set_user_attr(_KEY, dict(key))
+            self._journal.set_user_attr(_KEY, dict(key))
         elif kept != key:
             names = sorted(name for name in kept.keys() | key.keys() if kept.get(name) != key.get(name))
             there, here = ({name: known.get(name) for name in names} for known in (kept, key))
             raise InvalidValueError(f"search in {str(folder)!r}", there, f"to resume one of {here}")
 
-    def _forget_unfinished(self) -> None:
-        states = self._optuna.trial.TrialState
-        for trial in self._study.get_trials(deepcopy=False, states=(states.WAITING, states.RUNNING)):
-            if trial.state == states.WAITING:  # enqueued, and not begun
-                self._study.ask(self._distributions())
-            self._study.tell(trial.number, state=states.FAIL)
 
-    def _read(self) -> list[Trial]:
-        complete = (self._optuna.trial.TrialState.COMPLETE,)
-        return [
-            Trial(
-                trial.params, float(trial.values[0]), trial.user_attrs["steps"], trial.user_attrs["seconds"]
-            )
-            for trial in self._study.get_trials(deepcopy=False, states=complete)
-        ]
+def _read(trial: optuna.trial.FrozenTrial) -> Trial:
+    attributes = trial.user_attrs
+    return Trial(dict(trial.params), float(trial.values[0]), attributes["steps"], attributes["seconds"])
 
 
 def _import_optuna() -> Any:

@@ -29,7 +29,7 @@ class TuningTask:
         seed: of the search and of its episodes.
 
     Raises:
-        InvalidValueError: a number that is not whole or too small, a seed whose episodes are not for training.
+        InvalidValueError: a number that is not whole or too small, or too large a seed.
     """
 
     environment_id: str

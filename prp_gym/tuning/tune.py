@@ -13,8 +13,8 @@ from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 from prp_gym.evaluation.evaluate import episodes_to_play
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.search_space import SearchSpace
-from prp_gym.tuning.stored_study import Trial
 from prp_gym.tuning.task import TuningTask
+from prp_gym.tuning.trial import Trial
 
 
 class Study(Protocol):

@@ -1,0 +1,294 @@
+"""The search: its budget, its episodes, its proposals, and how it goes on after a kill."""
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from prp_gym.baselines import make_baseline
+from prp_gym.errors import InvalidValueError, MissingPackageError
+from prp_gym.evaluation import evaluate
+from prp_gym.tuning import Episodes, SearchSpace, StoredStudy, Trial, Tuned, TuningTask, search_space, tune
+from prp_gym.tuning.local_step import is_local, local_step, step_length
+from prp_gym.tuning.stored_study import JOURNAL
+
+ENVIRONMENT = "PRP-Compliance-v0"
+STEPS, EPISODES = 20, 3
+COST = STEPS * EPISODES
+TASK = TuningTask(ENVIRONMENT, "admittance", "realistic", 500.0, 12 * COST + 7, EPISODES)
+ENV: Any = gymnasium.make(ENVIRONMENT, scenario="realistic", duration=STEPS / 500.0)
+SPACE = search_space(TASK, ENV)
+KEY = {"made": "up"}
+
+
+def search(folder: Path, task: TuningTask = TASK, resume: bool = False) -> Tuned:
+    return tune(task, ENV, SPACE, StoredStudy(folder, SPACE, KEY, task.seed, resume))
+
+
+def outline(tuned: Tuned) -> list[tuple[Any, ...]]:
+    """All of the trials but the time that they took."""
+    return [(dict(trial.factors), trial.score, trial.steps) for trial in tuned.trials]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Tuned:
+    """A search in one go."""
+    return search(tmp_path_factory.mktemp("whole"))
+
+
+def test_budget_is_spent_to_less_than_a_trial_and_never_exceeded(whole: Tuned) -> None:
+    assert len(whole.trials) == 12
+    assert [trial.steps for trial in whole.trials] == [COST] * 12  # none of these episodes diverges
+    assert whole.used_steps == 12 * COST == TASK.budget - 7
+
+
+def test_steps_are_counted_as_they_are_simulated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from prp_gym.envs.loop import EpisodeLoop
+
+    simulated, step = [], EpisodeLoop.step
+
+    def counted(loop: EpisodeLoop, action: Any, idle: Any = None) -> Any:
+        simulated.append(len(action) if idle is None else int(np.count_nonzero(~idle)))
+        return step(loop, action, idle)
+
+    monkeypatch.setattr(EpisodeLoop, "step", counted)
+    assert search(tmp_path).used_steps == sum(simulated)
+
+
+def test_first_trial_is_the_tuned_set_with_the_evaluator_s_score(whole: Tuned) -> None:
+    first = whole.trials[0]
+    assert first.factors == SPACE.start
+    evaluation = evaluate(make_baseline("admittance", ENV), ENV, EPISODES, TASK.first_seed)
+    # sums in another order
+    assert first.score == pytest.approx(evaluation.metrics["score"].mean(), rel=1e-12)
+    assert TASK.first_seed == 1_000_000
+
+
+def test_result_is_never_below_the_tuned_set_and_is_the_best_trial(whole: Tuned) -> None:
+    scores = [trial.score for trial in whole.trials]
+    assert whole.best.score == max(scores) >= scores[0]
+    policy = make_baseline("admittance", ENV, "report", **whole.settings)
+    evaluation = evaluate(policy, ENV, EPISODES, TASK.first_seed)
+    assert evaluation.metrics["score"].mean() == pytest.approx(max(scores), rel=1e-12)
+    assert len(set(scores)) > len(scores) / 2  # or nothing was searched
+
+
+def test_same_seed_same_search_and_another_seed_another(whole: Tuned, tmp_path: Path) -> None:
+    assert outline(search(tmp_path / "again")) == outline(whole)
+    other = search(tmp_path / "other", replace(TASK, seed=1))
+    assert other.trials[0].factors == whole.trials[0].factors
+    assert other.trials[0].score != whole.trials[0].score  # other episodes
+    assert other.trials[1].factors != whole.trials[1].factors
+
+
+def test_history_tells_the_best_so_far() -> None:
+    trials = [Trial({}, score, 10, 0.0) for score in (0.3, 0.2, 0.5, 0.5, 0.4)]
+    tuned = Tuned(trials, {})
+    assert tuned.history == [(10, 0.3), (30, 0.5), (50, 0.5)]
+    assert tuned.best is trials[2]
+    assert Tuned(trials[:3], {}).history == [(10, 0.3), (30, 0.5)]
+
+
+def test_budget_for_less_than_a_trial_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidValueError, match=f"budget is {COST - 1} steps; allowed: at least {COST}"):
+        search(tmp_path, replace(TASK, budget=COST - 1))
+    assert len(search(tmp_path / "one", replace(TASK, budget=COST)).trials) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("budget", 0), ("budget", 1.5), ("episodes", 0), ("episodes", True), ("seed", -1), ("seed", 499)],
+)
+def test_numbers_that_make_no_search_are_refused(name: str, value: Any) -> None:
+    with pytest.raises(InvalidValueError, match=f"^{name} is "):
+        replace(TASK, **{name: value})
+
+
+def test_training_episodes_of_the_last_seed_are_not_those_of_validation() -> None:
+    last = replace(TASK, seed=498, episodes=1_000_000)
+    assert last.first_seed + last.episodes <= 500_000_000
+
+
+class Scripted:
+    """A policy with zero torque, but for rows and times at which it does something bad."""
+
+    def __init__(self, bad: dict[int, int], action: float) -> None:
+        self.bad, self.action, self.calls = bad, action, 0
+
+    def predict(self, observation: Any, state: Any = None, **_: Any) -> tuple[Any, Any]:
+        action = np.zeros((len(observation), 3), dtype=np.float32)
+        for row, first in self.bad.items():
+            if self.calls >= first:
+                action[row] = self.action
+        self.calls += 1
+        return action, None
+
+
+def test_rest_of_an_episode_with_an_action_that_is_not_finite_scores_nothing() -> None:
+    episodes = Episodes(ENV, range(3))
+    good, bad = episodes.play(Scripted({}, 0.0)), episodes.play(Scripted({1: 5, 2: 0}, math.nan))
+    assert good.steps == 60
+    assert bad.steps == 20 + 5 + 0
+    assert bad.scores[0] == good.scores[0]
+    assert 0.0 < bad.scores[1] < good.scores[1]
+    assert bad.scores[2] == 0.0
+    assert episodes.play(Scripted({}, 0.0)).scores.tolist() == good.scores.tolist()  # nothing is left behind
+
+
+def test_divergence_ends_an_episode_and_its_steps() -> None:
+    with closing(gymnasium.make("PRP-Adaptive-v0", duration=10.0, torque_limit=1e4)) as env:
+        episodes = Episodes(env, range(2))
+        scores, steps = episodes.play(Full())
+        expected = evaluate(Full(), env, 2, 0)
+    assert [rollout.diverged for rollout in expected.rollouts] == [True, True]
+    assert steps == sum(len(rollout.reward) for rollout in expected.rollouts) < 1000
+    # sums in another order
+    np.testing.assert_allclose(scores, [r.reward.sum() / 10.0 for r in expected.rollouts], rtol=1e-12)
+
+
+class Full:
+    """Full torque."""
+
+    def predict(self, observation: Any, state: Any = None, **_: Any) -> tuple[Any, Any]:
+        return np.ones((*observation.shape[:-1], 1), dtype=np.float32), None
+
+
+class OneSetting:
+    """A study that proposes the same over and over."""
+
+    def __init__(self, factors: dict[str, float]) -> None:
+        self.trials: list[Trial] = []
+        self.factors = factors
+
+    def propose(self) -> dict[str, float]:
+        return self.factors
+
+    def record(self, score: float, steps: int, seconds: float) -> Trial:
+        self.trials.append(Trial(self.factors, score, steps, seconds))
+        return self.trials[-1]
+
+
+def test_candidate_that_the_law_refuses_scores_nothing_and_is_charged_in_full() -> None:
+    refused = {**SPACE.start, "frame_inertia_translation": 0.0}  # no mass
+    tuned = tune(TASK, ENV, SPACE, OneSetting(refused))
+    assert [(trial.score, trial.steps) for trial in tuned.trials] == [(0.0, COST)] * 12
+
+
+def distance(factors: Any) -> float:
+    """A made-up score with its maximum, 1, at a factor of 2 for every parameter."""
+    return math.exp(-sum(math.log(value / 2.0) ** 2 for value in factors.values()))
+
+
+def synthetic(folder: Path, trials: int, resume: bool = False) -> StoredStudy:
+    study = StoredStudy(folder, SPACE, KEY, 0, resume)
+    while len(study.trials) < trials:
+        study.record(distance(study.propose()), 1, 0.0)
+    return study
+
+
+def test_search_climbs_and_stays_within_the_ranges(tmp_path: Path) -> None:
+    study = synthetic(tmp_path, 60)
+    scores = [trial.score for trial in study.trials]
+    # at the start exp(-7 ln²2) = 0.035; random factors within their ranges reach 0.13 in 60 draws (median)
+    assert max(scores) > 0.4
+    for trial in study.trials:
+        assert all(item.low <= trial.factors[item.name] <= item.high for item in SPACE.parameters)
+
+
+def test_search_that_is_resumed_is_the_one_that_was_not_interrupted(tmp_path: Path) -> None:
+    expected = synthetic(tmp_path / "whole", 16).trials
+    folder = tmp_path / "parts"
+    for count in (0, 1, 5, 11):
+        study = synthetic(folder, count, resume=True)
+        study.propose()  # under way when the process ends
+    (folder / f"{JOURNAL}.lock").symlink_to(folder / JOURNAL)
+    with (folder / JOURNAL).open("ab") as file:
+        file.write(b'{"op_code": 5, "tri')
+    assert synthetic(folder, 16, resume=True).trials == expected
+
+
+def test_search_is_neither_overwritten_nor_mixed_with_another(tmp_path: Path) -> None:
+    synthetic(tmp_path, 2)
+    with pytest.raises(InvalidValueError, match="--resume to go on"):
+        synthetic(tmp_path, 2)
+    with pytest.raises(InvalidValueError, match=r"'made': 'up'.*to resume one of \{'made': 'otherwise'\}"):
+        StoredStudy(tmp_path, SPACE, {"made": "otherwise"}, 0, True)
+    assert len(synthetic(tmp_path, 2, resume=True).trials) == 2
+
+
+def test_step_grows_with_success_and_shrinks_without() -> None:
+    def length(scores: list[float]) -> float:
+        return step_length([Trial({}, score, 1, 0.0) for score in scores])
+
+    assert [is_local(index) for index in range(7)] == [False, True, True, False, True, True, False]
+    assert length([0.5]) == 0.3
+    assert length([0.5, 0.6]) == pytest.approx(0.45)
+    assert length([0.5, 0.6, 0.7, 0.9]) == pytest.approx(0.3 * 1.5**2)  # the last is not a step
+    assert length([0.5, 0.4, 0.4, 0.9, 0.8, 0.8, 0.1, 1.0]) == pytest.approx(0.3)  # four failures, a success
+    assert length([0.5] * 300) == 0.02
+    assert length([float(index) for index in range(300)]) == 1.0
+
+
+def test_step_starts_from_the_best_candidate() -> None:
+    space = SearchSpace(SPACE.centre, tuple(replace(item, low=0.5, high=2.0) for item in SPACE.parameters))
+    near = dict.fromkeys(space.start, 1.9)
+    trials = [Trial(space.start, 0.2, 1, 0.0), Trial(near, 0.3, 1, 0.0), Trial(space.start, 0.1, 1, 0.0)]
+    steps = [local_step(space, trials, np.random.default_rng(seed)) for seed in range(200)]
+    logs = np.log([list(step.values()) for step in steps]) - np.log(1.9)
+    inside = logs[logs < np.log(2.0 / 1.9) - 1e-9]
+    assert logs.max() == pytest.approx(np.log(2.0 / 1.9))  # the ranges' end
+    # 1400 draws, cut at 0.051, of which 57 to 60 % lie below it: below 0 their median is -0.674 lengths
+    assert np.median(logs[logs < 0]) == pytest.approx(-0.674 * step_length(trials), rel=0.15)
+    assert len(inside) > logs.size / 2
+
+
+CHILD = """
+import sys, time
+from pathlib import Path
+from tests.test_tuning import KEY, SPACE, TASK, ENV, StoredStudy, tune
+study = StoredStudy(Path(sys.argv[1]), SPACE, KEY, TASK.seed, False)
+def slowly(trial):
+    time.sleep(0.05)
+tune(TASK, ENV, SPACE, study, slowly)
+"""
+
+
+def test_search_that_was_killed_goes_on_to_the_same_end(tmp_path: Path, whole: Tuned) -> None:
+    root = Path(__file__).resolve().parents[1]
+    environment = {**os.environ, "PYTHONPATH": str(root)}
+    process = subprocess.Popen([sys.executable, "-c", CHILD, str(tmp_path)], cwd=root, env=environment)
+    for _ in range(20_000):
+        journal = tmp_path / JOURNAL
+        if journal.exists() and journal.read_bytes().count(b'"seconds"') >= 3:
+            break
+        time.sleep(0.001)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait() == -signal.SIGKILL
+    study = StoredStudy(tmp_path, SPACE, KEY, TASK.seed, True)
+    assert 2 <= len(study.trials) < 12
+    tuned = tune(TASK, ENV, SPACE, study)
+    assert outline(tuned) == outline(whole)
+    assert tuned.used_steps == whole.used_steps
+
+
+def test_journal_is_optuna_s_own(tmp_path: Path) -> None:
+    synthetic(tmp_path, 2)
+    lines = (tmp_path / JOURNAL).read_text(encoding="utf-8").splitlines()
+    assert all("op_code" in json.loads(line) for line in lines)
+
+
+def test_missing_optuna_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "optuna", None)
+    with pytest.raises(MissingPackageError, match=r"^optuna is not installed; .*'prp-gym\[tune\]'"):
+        StoredStudy(tmp_path, SPACE, KEY, 0, False)
