@@ -126,7 +126,9 @@ class Scripted:
     def __init__(self, bad: dict[int, int], action: float) -> None:
         self.bad, self.action, self.calls = bad, action, 0
 
-    def predict(self, observation: Any, state: Any = None, **_: Any) -> tuple[Any, Any]:
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Any, Any]:
         action = np.zeros((len(observation), 3), dtype=np.float32)
         for row, first in self.bad.items():
             if self.calls >= first:
@@ -160,7 +162,9 @@ def test_divergence_ends_an_episode_and_its_steps() -> None:
 class Full:
     """Full torque."""
 
-    def predict(self, observation: Any, state: Any = None, **_: Any) -> tuple[Any, Any]:
+    def predict(
+        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Any, Any]:
         return np.ones((*observation.shape[:-1], 1), dtype=np.float32), None
 
 

@@ -31,9 +31,9 @@ class StoredStudy:
     them.
 
     The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
-    goes on makes the same proposals as one that was not. The journal holds finished trials alone, each written
-    in one piece: one that was under way when the run was killed is played again, and its steps are charged
-    once, since nothing was learned from them before. One run at a time may use a folder.
+    goes on makes the same proposals as one that was not. The journal holds finished trials alone, each
+    written in one piece: one that was under way when the run was killed is played again, and its steps are
+    charged once, since nothing was learned from them before. One run at a time may use a folder.
 
     Args:
         folder: of the journal file.
