@@ -204,7 +204,7 @@ def synthetic(folder: Path, trials: int, resume: bool = False) -> StoredStudy:
 def test_search_climbs_and_stays_within_the_ranges(tmp_path: Path) -> None:
     study = synthetic(tmp_path, 60)
     scores = [trial.score for trial in study.trials]
-    # at the start exp(-7 ln²2) = 0.035; random factors within their ranges reach 0.13 in 60 draws (median)
+    # at the start exp(-7 ln²2) = 0.035; 60 random draws reach 0.04 in the median, 0.22 in one case of 20
     assert max(scores) > 0.4
     for trial in study.trials:
         assert all(item.low <= trial.factors[item.name] <= item.high for item in SPACE.parameters)

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
@@ -165,7 +165,13 @@ def _shipped() -> dict[str, Path]:
     }
 
 
-_KINDS: Mapping[Any, tuple[type, ...]] = {str: (str,), int: (int,), float: (int, float)}
+_KINDS: Mapping[Any, tuple[type, ...]] = {
+    str: (str,),
+    int: (int,),
+    float: (int, float),
+    tuple[tuple[int, float], ...]: (list,),
+}
+"""What JSON has for a field's type; an object for every other type."""
 
 
 def _read(kind: type[Any], content: Any, where: str) -> dict[str, Any]:
@@ -175,21 +181,21 @@ def _read(kind: type[Any], content: Any, where: str) -> dict[str, Any]:
         found = sorted(content) if isinstance(content, dict) else type(content).__name__
         raise InvalidValueError(where, found, f"exactly the fields {', '.join(names)}")
     for entry in fields(kind):
-        value, allowed = content[entry.name], _KINDS.get(entry.type, (dict, list))
+        value, allowed = content[entry.name], _KINDS.get(entry.type, (dict,))
         if isinstance(value, bool) or not isinstance(value, allowed):
             expected = " or ".join(item.__name__ for item in allowed)
-            raise InvalidValueError(f"{entry.name} of {where}", value, f"{expected}")
+            raise InvalidValueError(f"{entry.name} of {where}", value, expected)
     return dict(content)
 
 
-def _history(rows: Any, where: str) -> tuple[tuple[int, float], ...]:
-    try:
-        history = tuple((int(steps), float(score)) for steps, score in rows)
-    except (TypeError, ValueError) as error:
-        raise InvalidValueError(f"history of {where}", rows, "pairs of steps and score") from error
-    if not history:
+def _history(rows: Sequence[Any], where: str) -> tuple[tuple[int, float], ...]:
+    pairs = all(
+        isinstance(row, list) and len(row) == 2 and type(row[0]) is int and type(row[1]) in (int, float)
+        for row in rows
+    )
+    if not (rows and pairs):
         raise InvalidValueError(f"history of {where}", rows, "at least one pair of steps and score")
-    return history
+    return tuple((steps, float(score)) for steps, score in rows)
 
 
 def _refuse_constant(name: str) -> None:
