@@ -1,9 +1,11 @@
 """The command `prp-gym tune`."""
 
+import math
 import shlex
 import sys
 from contextlib import closing
 from dataclasses import asdict
+from fractions import Fraction
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
@@ -78,8 +80,8 @@ def _budget(budget: int | None, like: str | None, control_frequency: float) -> i
     if budget is not None:
         return budget
     card = prp_gym.load_agent(like).card
-    # in exact products, so that a step is not lost to rounding
-    return int(round(card.steps * control_frequency) // round(card.control_frequency))
+    # as fractions, so that no step is lost to rounding
+    return math.floor(Fraction(card.steps) * Fraction(control_frequency) / Fraction(card.control_frequency))
 
 
 def _key(task: TuningTask) -> dict[str, Any]:

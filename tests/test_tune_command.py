@@ -102,7 +102,8 @@ class Agent:
 
 
 @pytest.mark.parametrize(
-    ("steps", "rate", "budget"), [(10, 50.0, 100), (33, 100.0, 165), (20, 500.0, 20), (41, 1000.0, 20)]
+    ("steps", "rate", "budget"),
+    [(10, 50.0, 100), (33, 100.0, 165), (20, 500.0, 20), (41, 1000.0, 20), (10, 62.5, 80)],
 )
 def test_budget_like_an_agent_s_is_its_simulated_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, steps: int, rate: float, budget: int

@@ -26,7 +26,7 @@ class StoredStudy:
     """Proposals for candidates, and what became of them.
 
     The first candidate is the centre of the space. Of the others, one in three comes from Optuna's sampler
-    (multivariate TPE), which looks everywhere and learns from all trials; two are steps from the best one so
+    (TPE), which looks everywhere and learns from all trials; two are steps from the best one so
     far, since in many dimensions a small budget finds little that is better than gains already good but near
     them.
 
