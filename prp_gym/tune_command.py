@@ -64,7 +64,8 @@ def tune_command(
         space = search_space(task, made)
         study = StoredStudy(folder, space, _key(task), seed, resume)
         tuned = _search(task, made, space, study)
-        result = _result(task, tuned, _validate(task, made, space, tuned))
+        played = episodes_to_play(made, task.episodes)
+        result = _result(task, tuned, played, _validate(task, made, space, tuned))
     write_json(folder / RESULT, asdict(result))
     _show(result, folder / RESULT)
 
@@ -114,7 +115,7 @@ def _validate(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace
     return Validation(seed=VALIDATION_SEED, episodes=count, score=found, score_of_tuned=start)
 
 
-def _result(task: TuningTask, tuned: Tuned, validation: Validation) -> TunedLaw:
+def _result(task: TuningTask, tuned: Tuned, episodes: int, validation: Validation) -> TunedLaw:
     return TunedLaw(
         environment=task.environment_id,
         law=task.law,
@@ -125,7 +126,7 @@ def _result(task: TuningTask, tuned: Tuned, validation: Validation) -> TunedLaw:
         used_steps=tuned.used_steps,
         simulated_seconds=tuned.used_steps / task.control_frequency,
         trials=len(tuned.trials),
-        episodes=task.episodes,
+        episodes=episodes,
         seconds=sum(trial.seconds for trial in tuned.trials),
         history=tuple(tuned.history),
         score=tuned.best.score,
@@ -140,13 +141,14 @@ def _result(task: TuningTask, tuned: Tuned, validation: Validation) -> TunedLaw:
 def _show(result: TunedLaw, target: Path) -> None:
     """Print the scores before and after."""
     title = f"{result.law} on {result.environment}, scenario {result.scenario}"
-    table = Table(title=title, title_justify="left")
+    table = Table()
     checked = result.validation
     for header in ("settings", "training score", "validation score"):
         table.add_column(header, justify="left" if header == "settings" else "right")
     table.add_row("tuned", f"{result.score_of_tuned:.4f}", f"{checked.score_of_tuned:.4f}")
     table.add_row("equal budget", f"{result.score:.4f}", f"{checked.score:.4f}")
     console = make_console(least=TABLE_WIDTH)
+    console.print(title, highlight=False)
     console.print(table)
     console.print(
         f"score: mean of return/duration, over {result.episodes} training and {checked.episodes} validation"

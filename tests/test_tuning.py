@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ import pytest
 from prp_gym.baselines import make_baseline
 from prp_gym.errors import InvalidValueError, MissingPackageError
 from prp_gym.evaluation import evaluate
-from prp_gym.tuning import Episodes, SearchSpace, StoredStudy, Trial, Tuned, TuningTask, search_space, tune
+from prp_gym.tuning import SearchSpace, StoredStudy, Trial, Tuned, TuningTask, search_space, tune
 from prp_gym.tuning.local_step import is_local, local_step, step_length
 from prp_gym.tuning.stored_study import JOURNAL
 
@@ -118,54 +117,6 @@ def test_numbers_that_make_no_search_are_refused(name: str, value: Any) -> None:
 def test_training_episodes_of_the_last_seed_are_not_those_of_validation() -> None:
     last = replace(TASK, seed=498, episodes=1_000_000)
     assert last.first_seed + last.episodes <= 500_000_000
-
-
-class Scripted:
-    """A policy with zero torque, but for rows and times at which it does something bad."""
-
-    def __init__(self, bad: dict[int, int], action: float) -> None:
-        self.bad, self.action, self.calls = bad, action, 0
-
-    def predict(
-        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
-    ) -> tuple[Any, Any]:
-        action = np.zeros((len(observation), 3), dtype=np.float32)
-        for row, first in self.bad.items():
-            if self.calls >= first:
-                action[row] = self.action
-        self.calls += 1
-        return action, None
-
-
-def test_rest_of_an_episode_with_an_action_that_is_not_finite_scores_nothing() -> None:
-    episodes = Episodes(ENV, range(3))
-    good, bad = episodes.play(Scripted({}, 0.0)), episodes.play(Scripted({1: 5, 2: 0}, math.nan))
-    assert good.steps == 60
-    assert bad.steps == 20 + 5 + 0
-    assert bad.scores[0] == good.scores[0]
-    assert 0.0 < bad.scores[1] < good.scores[1]
-    assert bad.scores[2] == 0.0
-    assert episodes.play(Scripted({}, 0.0)).scores.tolist() == good.scores.tolist()  # nothing is left behind
-
-
-def test_divergence_ends_an_episode_and_its_steps() -> None:
-    with closing(gymnasium.make("PRP-Adaptive-v0", duration=10.0, torque_limit=1e4)) as env:
-        episodes = Episodes(env, range(2))
-        scores, steps = episodes.play(Full())
-        expected = evaluate(Full(), env, 2, 0)
-    assert [rollout.diverged for rollout in expected.rollouts] == [True, True]
-    assert steps == sum(len(rollout.reward) for rollout in expected.rollouts) < 1000
-    # sums in another order
-    np.testing.assert_allclose(scores, [r.reward.sum() / 10.0 for r in expected.rollouts], rtol=1e-12)
-
-
-class Full:
-    """Full torque."""
-
-    def predict(
-        self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
-    ) -> tuple[Any, Any]:
-        return np.ones((*observation.shape[:-1], 1), dtype=np.float32), None
 
 
 class OneSetting:
