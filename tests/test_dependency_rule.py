@@ -27,17 +27,21 @@ APPLICATIONS = {
     "prp_gym.finished_pairs",
     "prp_gym.listing",
     "prp_gym.pairs",
+    "prp_gym.tune_command",
 }
 """The facade and the command line see everything but agents' tools."""
 
 REPRODUCTION = "prp_gym.reproduction"  # puts the parts together too; only the command line knows of it
+TUNING = "prp_gym.tuning"  # likewise
+TOP = (REPRODUCTION, TUNING)
 COMMANDS = tuple(APPLICATIONS - {"prp_gym"})
 FORBIDDEN = {
-    "core": (*PARTS, REPRODUCTION, *COMMANDS),
-    "prp_gym.envs": ("prp_gym.baselines", "prp_gym.agents", REPRODUCTION, *COMMANDS),
-    "prp_gym.baselines": ("prp_gym.agents", REPRODUCTION, *COMMANDS),
-    "prp_gym.agents": ("prp_gym.baselines", REPRODUCTION, *COMMANDS),
-    REPRODUCTION: ("prp_gym.agents", *COMMANDS),
+    "core": (*PARTS, *TOP, *COMMANDS),
+    "prp_gym.envs": ("prp_gym.baselines", "prp_gym.agents", *TOP, *COMMANDS),
+    "prp_gym.baselines": ("prp_gym.agents", *TOP, *COMMANDS),
+    "prp_gym.agents": ("prp_gym.baselines", *TOP, *COMMANDS),
+    REPRODUCTION: ("prp_gym.agents", TUNING, *COMMANDS),
+    TUNING: ("prp_gym.agents", REPRODUCTION, *COMMANDS),
     "application": (),
 }
 BARE_NAMES = {name for name in PACKAGES if name != "prp_gym"}
@@ -52,6 +56,8 @@ MORE_THIRD_PARTY = {
     "prp_gym.reproduction.command": {"typer"},
     "prp_gym.reproduction.table": {"rich"},
     "prp_gym.reproduction.figures": {"matplotlib"},
+    "prp_gym.tune_command": {"rich", "typer"},
+    "prp_gym.tuning.stored_study": {"optuna"},
 }
 
 
@@ -62,7 +68,7 @@ def within(module: str, package: str) -> bool:
 def layer(module: str) -> str:
     if module in APPLICATIONS:
         return "application"
-    return next((part for part in (*PARTS, REPRODUCTION) if within(module, part)), "core")
+    return next((part for part in (*PARTS, *TOP) if within(module, part)), "core")
 
 
 def imported_modules(source: str, module: str, is_package: bool) -> Iterator[str]:
@@ -160,6 +166,10 @@ CORE, ENVS, BASELINES, AGENTS = "prp_gym.tasks.x", "prp_gym.envs.x", "prp_gym.ba
         ("prp_gym.reproduction.run", "import prp_gym.agents.load", "prp_gym.agents.load"),
         ("prp_gym.reproduction.run", "import matplotlib", "matplotlib"),
         ("prp_gym.evaluation.table", "import typer", "typer"),
+        (BASELINES, "from prp_gym.tuning import tune", "prp_gym.tuning"),
+        ("prp_gym.tuning.tune", "import prp_gym.agents.agent_file", "prp_gym.agents.agent_file"),
+        ("prp_gym.tuning.tune", "from prp_gym.pairs import running_code", "prp_gym.pairs"),
+        ("prp_gym.tuning.tune", "import optuna", "optuna"),
         (ENVS, "from prp_gym.baselines.policy import Baseline", "prp_gym.baselines.policy"),
         (ENVS, "import prp_gym.agents", "prp_gym.agents"),
         (ENVS, "from stable_baselines3 import PPO", "stable_baselines3"),
@@ -200,6 +210,8 @@ def test_checker_sees_a_violation(module: str, source: str, culprit: str) -> Non
         ("prp_gym.evaluation.table", "from rich.table import Table"),
         ("prp_gym.reproduction.run", "from prp_gym.baselines import make_baseline\nimport gymnasium"),
         ("prp_gym.reproduction.figures", "def draw():\n    from matplotlib.figure import Figure"),
+        ("prp_gym.tuning.stored_study", "def search():\n    import optuna.storages.journal"),
+        ("prp_gym.tuning.tune", "from prp_gym.baselines import make_baseline"),
     ],
 )
 def test_checker_lets_pass_what_is_allowed(module: str, source: str) -> None:

@@ -1,0 +1,136 @@
+"""The search's memory: Optuna's study in a journal file, which outlives a killed run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from prp_gym.errors import InvalidValueError, MissingPackageError
+from prp_gym.evaluation.results import prepare_folder
+from prp_gym.tuning.local_step import is_local, local_step
+from prp_gym.tuning.search_space import SearchSpace
+from prp_gym.tuning.trial import Trial
+
+if TYPE_CHECKING:
+    import optuna
+
+JOURNAL = "study.log"
+_NAME = "tuning"
+_KEY = "key"
+
+
+class StoredStudy:
+    """Proposals for candidates, and what became of them.
+
+    The first candidate is the centre of the space. Of the others, one in three comes from Optuna's sampler
+    (TPE), which looks everywhere and learns from all trials; two are steps from the best one so
+    far, since in many dimensions a small budget finds little that is better than gains already good but near
+    them.
+
+    The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
+    goes on makes the same proposals as one that was not. The journal holds finished trials alone, each
+    written in one piece: one that was under way when the run was killed is played again, and its steps are
+    charged once, since nothing was learned from them before. One run at a time may use a folder.
+
+    Args:
+        folder: of the journal file.
+        space: that is searched.
+        key: what the trials depend on beside their factors, as plain JSON.
+        seed: of the proposals.
+        resume: whether to go on with the trials that are there, if any.
+
+    Raises:
+        MissingPackageError: Optuna is not installed.
+        InvalidValueError: there are trials, and they are not to be resumed, or have another key.
+        OutputError: the folder cannot be made or written to.
+    """
+
+    def __init__(
+        self, folder: Path, space: SearchSpace, key: Mapping[str, Any], seed: int, resume: bool
+    ) -> None:
+        self._optuna = _import_optuna()
+        self._space, self._seed = space, seed
+        self._study = self._optuna.create_study(direction="maximize")
+        self._journal = self._open_journal(folder, resume)
+        self._check_key(key, folder)
+        self._study.add_trials(self._journal.get_trials(deepcopy=False))
+        self.trials = [_read(trial) for trial in self._study.get_trials(deepcopy=False)]
+
+    def propose(self) -> dict[str, float]:
+        """The factors of the next candidate; those of the first are 1."""
+        index = len(self.trials)
+        seeds = np.random.SeedSequence((self._seed, index))
+        self._study.sampler = self._optuna.samplers.TPESampler(seed=int(seeds.generate_state(1)[0]))
+        if index == 0:
+            self._study.enqueue_trial(self._space.start)
+        elif is_local(index):
+            step = local_step(self._space, self.trials, np.random.default_rng(seeds))
+            self._study.enqueue_trial(step)
+        kind = self._optuna.distributions.FloatDistribution
+        self._open = self._study.ask(
+            {item.name: kind(item.low, item.high, log=True) for item in self._space.parameters}
+        )
+        return dict(self._open.params)
+
+    def record(self, score: float, steps: int, seconds: float) -> Trial:
+        """Finish the candidate that was proposed last, and keep it."""
+        self._open.set_user_attr("steps", steps)
+        self._open.set_user_attr("seconds", seconds)
+        finished = self._study.tell(self._open, score)
+        self._journal.add_trial(finished)
+        self.trials.append(_read(finished))
+        return self.trials[-1]
+
+    def _open_journal(self, folder: Path, resume: bool) -> optuna.Study:
+        path = folder / JOURNAL
+        if path.exists() and not resume:
+            raise InvalidValueError("output", str(folder), "a folder without a search, or --resume to go on")
+        prepare_folder(folder)
+        _repair(path)
+        backend = self._optuna.storages.journal.JournalFileBackend(str(path))
+        study: optuna.Study = self._optuna.create_study(
+            storage=self._optuna.storages.JournalStorage(backend),
+            study_name=_NAME,
+            direction="maximize",
+            load_if_exists=True,
+        )
+        return study
+
+    def _check_key(self, key: Mapping[str, Any], folder: Path) -> None:
+        """Keep the key of a new study; refuse the trials of another."""
+        kept = self._journal.user_attrs.get(_KEY)
+        if kept is None:
+            self._journal.set_user_attr(_KEY, dict(key))
+        elif kept != key:
+            names = sorted(name for name in kept.keys() | key.keys() if kept.get(name) != key.get(name))
+            there, here = ({name: known.get(name) for name in names} for known in (kept, key))
+            raise InvalidValueError(f"search in {str(folder)!r}", there, f"to resume one of {here}")
+
+
+def _read(trial: optuna.trial.FrozenTrial) -> Trial:
+    attributes = trial.user_attrs
+    return Trial(dict(trial.params), float(trial.values[0]), attributes["steps"], attributes["seconds"])
+
+
+def _import_optuna() -> Any:
+    try:
+        import optuna
+        import optuna.storages.journal
+    except ImportError:
+        raise MissingPackageError("optuna", "tune") from None
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    return optuna
+
+
+def _repair(path: Path) -> None:
+    """Take away what a killed run may have left: its lock, and a line that it did not finish."""
+    path.with_name(f"{path.name}.lock").unlink(missing_ok=True)
+    if path.exists():
+        content = path.read_bytes()
+        whole = content[: content.rfind(b"\n") + 1]
+        if whole != content:
+            with path.open("r+b") as file:
+                file.truncate(len(whole))

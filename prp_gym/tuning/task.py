@@ -1,0 +1,58 @@
+"""What is tuned, with what, and on which episodes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from prp_gym.errors import InvalidValueError
+
+TRAINING_SEEDS = 1_000_000
+"""Seeds of episodes that belong to one seed of the search; those of search k begin at (k + 1) times this."""
+
+VALIDATION_SEED = 500_000_000
+"""First seed of the episodes that no search uses."""
+
+_SEARCHES = VALIDATION_SEED // TRAINING_SEEDS - 1
+
+
+@dataclass(frozen=True)
+class TuningTask:
+    """A law on an environment, and the search for its settings.
+
+    Attributes:
+        environment_id: for `gymnasium.make`.
+        law: a baseline.
+        scenario: of the environment.
+        control_frequency: actions a second [Hz].
+        budget: control steps that may be simulated, of all environments together.
+        episodes: that every candidate plays, the same for all.
+        seed: of the search and of its episodes.
+
+    Raises:
+        InvalidValueError: a number that is not whole or too small, or too large a seed.
+    """
+
+    environment_id: str
+    law: str
+    scenario: str
+    control_frequency: float
+    budget: int
+    episodes: int = 20
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name, least, most in (
+            ("budget", 1, np.inf),
+            ("episodes", 1, TRAINING_SEEDS),
+            ("seed", 0, _SEARCHES - 1),
+        ):
+            value = getattr(self, name)
+            whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+            if not whole or not least <= value <= most:
+                allowed = f"a whole number, at least {least}" + (f", at most {most}" if most < np.inf else "")
+                raise InvalidValueError(name, value, allowed)
+
+    @property
+    def first_seed(self) -> int:
+        """Of the training episodes."""
+        return TRAINING_SEEDS * (self.seed + 1)
