@@ -4,7 +4,6 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from prp_gym.agents.agent_card import AgentCard
 from prp_gym.agents.agent_tensors import digest, pack_tensors, unpack_tensors
 from prp_gym.agents.card_file import pack_card, unpack_card
 from prp_gym.agents.learned_policy import LearnedPolicy
@@ -22,12 +21,15 @@ _LARGEST = {TENSORS: 256 * 2**20, CARD: 16 * 2**20}  # [bytes]
 _ONE_SEED = re.compile(r"(?P<group>.+)_seed_(?P<seed>\d+)")
 
 
-def save_agent(policy: LearnedPolicy, path: str | Path) -> None:
+def save_agent(policy: LearnedPolicy, path: str | Path) -> tuple[Path, Path]:
     """Write an agent's two files, each in one piece.
 
     Args:
         policy: the agent.
         path: of the files, with or without either suffix; a folder that does not exist is made.
+
+    Returns:
+        the paths of the two files.
 
     Raises:
         AgentFileError: a card or numbers that could not be read again, such as NaN.
@@ -40,6 +42,7 @@ def save_agent(policy: LearnedPolicy, path: str | Path) -> None:
     unpack_tensors(tensors, content, unpack_card(card, packed))
     write_file(tensors, content)
     write_file(card, packed)
+    return tensors, card
 
 
 def load_agent(name_or_path: str | Path) -> LearnedPolicy:
@@ -59,7 +62,7 @@ def load_agent(name_or_path: str | Path) -> LearnedPolicy:
     tensors, card = _twins(name_or_path)
     named = isinstance(name_or_path, str) and Path(name_or_path).suffix not in (TENSORS, CARD)
     if named and not tensors.exists() and not card.exists():
-        raise UnknownNameError("agent, nor is it a file:", name_or_path, _shipped())
+        raise UnknownNameError("agent", name_or_path, _shipped())
     return _load(tensors, card)
 
 
@@ -88,11 +91,6 @@ def list_seeds(group: str) -> list[str]:
     if not own:
         raise UnknownNameError("group of agents", group, list_agents())
     return sorted(own, key=lambda name: (len(name), name))
-
-
-def read_card(name_or_path: str | Path) -> AgentCard:
-    """An agent's card alone; names and errors are those of `load_agent`."""
-    return load_agent(name_or_path).card
 
 
 def _files() -> list[str]:
@@ -140,7 +138,7 @@ def _twins(path: str | Path) -> tuple[Path, Path]:
     """
     given = str(path)
     if Path(given).suffix.lower() in _WITH_CODE:
-        remedy = f"convert it, if you trust its author: prp-gym export {given} --trust"
+        remedy = f"convert it, if you trust its author: prp-gym export {given} --trust --env ID --output OUT"
         raise AgentFileError(
             given, f"such files can run code when they are opened, so this one is not; {remedy}"
         )
@@ -163,6 +161,8 @@ def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
             content = file.read(largest + 1)
+    except FileNotFoundError:
+        raise AgentFileError(path, f"is missing; an agent is two files, {TENSORS} and {CARD}") from None
     except OSError as error:
         raise AgentFileError(path, f"cannot be read: {error.strerror or error}") from None
     if len(content) > largest:

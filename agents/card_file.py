@@ -31,6 +31,14 @@ def unpack_card(path: Path, content: bytes) -> AgentCard:
             card does not have.
     """
     plain = parse_json(path, content)
+    try:
+        return _checked(path, content, plain)
+    except RecursionError:
+        raise AgentFileError(path, "has more levels than any card") from None
+
+
+def _checked(path: Path, content: bytes, plain: Any) -> AgentCard:
+    """The card, if the file's content is exactly what it is packed as."""
     reader = StrictReader(path)
     if isinstance(plain, dict) and plain.get("format", FORMAT) != FORMAT:
         raise AgentFileError(path, f"key 'format' is {plain['format']!r}; this version reads {FORMAT}")
@@ -44,7 +52,9 @@ def unpack_card(path: Path, content: bytes) -> AgentCard:
 
 
 def _render(plain: Any) -> bytes:
-    return (json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    return (json.dumps(plain, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode(
+        "utf-8", "surrogatepass"
+    )
 
 
 def _checksum(plain: Any) -> str:

@@ -2,8 +2,9 @@
 
 import platform
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,10 +83,19 @@ def export_agent(model: "BaseAlgorithm", normalizer: Normalizer, facts: AgentFac
         network=network.shape,
         run=facts.run,
         scores=facts.scores,
-        versions={"python": platform.python_version()} | {name: version(name) for name in _PACKAGES},
+        versions=_versions(),
         sha256=digest(pack_tensors(normalizer, network)),
     )
     return LearnedPolicy(card, normalizer, network)
+
+
+def _versions() -> dict[str, str]:
+    """Of Python and of the packages that are installed."""
+    found = {"python": platform.python_version()}
+    for name in _PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
 
 
 def _interface(facts: AgentFacts, inputs: int) -> Interface:

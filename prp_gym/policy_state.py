@@ -1,4 +1,4 @@
-"""What a policy remembers between two calls of `predict`: arrays as many as the observations."""
+"""What a policy remembers from one call of `predict` to the next."""
 
 from typing import Any
 
