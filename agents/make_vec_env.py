@@ -61,9 +61,13 @@ def make_sb3_vec_env(
     return vec_env
 
 
-def require_stable_baselines() -> None:
-    """Raise unless Stable-Baselines3 and what it is built on can be imported."""
-    for package in ("torch", "stable_baselines3"):
+def require_stable_baselines(*more: str) -> None:
+    """Raise unless Stable-Baselines3, what it is built on, and more packages can be imported.
+
+    Raises:
+        MissingPackageError: one of them is not installed.
+    """
+    for package in ("torch", "stable_baselines3", *more):
         try:
             import_module(package)
         except ModuleNotFoundError as error:

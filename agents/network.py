@@ -85,8 +85,6 @@ class Network:
         self.tensors = {name: np.array(tensors[name], dtype=np.float32) for name in shape.tensor_shapes()}
         for tensor in self.tensors.values():
             tensor.flags.writeable = False
-        self._activation = ACTIVATIONS[shape.activation]
-        self._head = HEADS[shape.head]
 
     def initial_memory(self, lead: tuple[int, ...]) -> Memory:
         """The memory at the start of an episode.
@@ -115,8 +113,8 @@ class Network:
             output, cell = self._remember(index, values, memory[2 * index], memory[2 * index + 1])
             after, values = (*after, output, cell), output
         for index in range(len(self.shape.hidden)):
-            values = self._activation(self._layer(index, values))
-        return self._head(self._layer(len(self.shape.hidden), values)), after
+            values = ACTIVATIONS[self.shape.activation](self._layer(index, values))
+        return HEADS[self.shape.head](self._layer(len(self.shape.hidden), values)), after
 
     def _layer(self, index: int, values: Array32) -> Array32:
         weight, bias = self.tensors[f"layer_{index}.weight"], self.tensors[f"layer_{index}.bias"]

@@ -4,7 +4,7 @@ import shlex
 import sys
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import gymnasium
 import typer
@@ -13,14 +13,10 @@ from prp_gym.agents.agent_card import Run
 from prp_gym.agents.agent_file import save_agent
 from prp_gym.agents.export import AgentFacts, export_agent, identity_normalizer
 from prp_gym.agents.make_vec_env import require_stable_baselines
+from prp_gym.agents.normalizer import Normalizer
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.registration import list_envs
 from prp_gym.tasks.fields import ObservationLayout
-
-if TYPE_CHECKING:
-    from stable_baselines3.common.base_class import BaseAlgorithm
-
-    from prp_gym.agents.normalizer import Normalizer
 
 
 def export_command(
@@ -64,9 +60,9 @@ def export_command(
     typer.echo(f"agent: {tensors} and {card}")
 
 
-def _open(path: Path, algorithm: str, normalizer: Path | None) -> "tuple[BaseAlgorithm, Normalizer]":
+def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Normalizer]:
     """The model and its normaliser, of files that the user trusts."""
-    require_stable_baselines()
+    require_stable_baselines("sb3_contrib")
     from prp_gym.agents.sb3_files import open_trusted_model, open_trusted_normalizer
 
     model = open_trusted_model(path, algorithm)
@@ -75,7 +71,7 @@ def _open(path: Path, algorithm: str, normalizer: Path | None) -> "tuple[BaseAlg
     return model, identity_normalizer(sum(model.observation_space.shape or ()))
 
 
-def _run_of(model: "BaseAlgorithm", seed: int | None) -> Run:
+def _run_of(model: Any, seed: int | None) -> Run:
     """What is known of a training that this package did not do."""
     known = model.seed if seed is None else seed
     if known is None:

@@ -21,7 +21,7 @@ from prp_gym.agents.normalizer import Normalizer
 from prp_gym.tasks.fields import ObservationLayout
 
 ID = "PRP-JointTracking-v0"  # observes a reference, so that tracking errors are among the features
-KEYWORDS: dict[str, Any] = {"scenario": "report", "action_mode": "torque", "control_frequency": 50}
+KEYWORDS: dict[str, Any] = {"scenario": "realistic", "action_mode": "torque", "control_frequency": 50}
 RUN = Run(
     command="prp-gym train PRP-JointTracking-v0 --algo ppo",
     seed=3,

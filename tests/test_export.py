@@ -35,7 +35,7 @@ def made(algorithm: str) -> tuple[Trained, LearnedPolicy]:
 def assert_same_actions(source: Trained, policy: LearnedPolicy, observation: Any) -> None:
     expected, _ = source.expected(observation)
     action, _ = policy.predict(observation)
-    assert (action.dtype, action.shape) == (np.float32, expected.shape)
+    assert (str(action.dtype), action.shape) == ("float32", expected.shape)
     np.testing.assert_allclose(action, expected, rtol=0, atol=SAME)
 
 
@@ -241,6 +241,7 @@ def test_model_of_another_observation_is_refused() -> None:
 @pytest.mark.parametrize("name", ["mean", "variance"])
 def test_normaliser_of_other_features_is_refused(name: str) -> None:
     source = trained("PPO")
-    normalizer: Normalizer = replace(source.normalizer, **{name: np.ones(5)})
+    values: dict[str, Any] = {name: np.ones(5)}
+    normalizer: Normalizer = replace(source.normalizer, **values)
     with pytest.raises(ShapeError, match=rf"{name} of the normalizer has shape \(5,\)"):
         export_agent(source.model, normalizer, facts())
