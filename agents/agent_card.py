@@ -12,18 +12,18 @@ from prp_gym.tasks.fields import Field, ObservationLayout
 FORMAT = 1
 """Of the card; a change that older readers would misread raises it."""
 
-_LARGEST_FIELD = 10_000
+_LARGEST_PART = 10_000
 
 Keyword = str | float | int | bool | None | tuple[float, ...]
 """A keyword of `gymnasium.make`, as JSON knows it."""
 
 
 @dataclass(frozen=True)
-class ObservedField:
-    """A part of the observation.
+class Part:
+    """Of an observation or of an action.
 
     Attributes:
-        name: of the field.
+        name: of the part.
         size: number of components.
 
     Raises:
@@ -34,8 +34,8 @@ class ObservedField:
     size: int
 
     def __post_init__(self) -> None:
-        if not 1 <= self.size <= _LARGEST_FIELD:
-            raise InvalidValueError(f"size of field {self.name!r}", self.size, f"1 to {_LARGEST_FIELD}")
+        if not 1 <= self.size <= _LARGEST_PART:
+            raise InvalidValueError(f"size of part {self.name!r}", self.size, f"1 to {_LARGEST_PART}")
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,14 @@ class Interface:
         keywords: of the environment in which it was trained.
         observation: fields of the observation, in order.
         features: parts of what the network is given, in order.
-        action_names: of the action's components, where they are known.
+        action: its parts, in order; none where they are not known.
     """
 
     environment_id: str
     keywords: Mapping[str, Keyword]
-    observation: tuple[ObservedField, ...]
+    observation: tuple[Part, ...]
     features: tuple[str, ...]
-    action_names: tuple[str, ...]
+    action: tuple[Part, ...]
 
     def make_layout(self) -> ObservationLayout:
         """The observation's layout, with names and sizes alone."""
@@ -73,14 +73,14 @@ class CurvePoint:
     Attributes:
         steps: taken so far in all environments together.
         seconds: since training began [s].
-        score: interquartile mean over the held-out episodes of return/duration.
-        violations: mean count of violated limits in an episode.
+        score: mean over the held-out episodes of return/duration.
+        violations: of limits in training so far, by their kinds.
     """
 
     steps: int
     seconds: float
     score: float
-    violations: float
+    violations: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -138,8 +138,8 @@ class AgentCard:
 
     Raises:
         UnknownNameError: an activation, head or part of the features that does not exist.
-        ShapeError: a network of other inputs than the features, or of other outputs than action names.
-        InvalidValueError: a layer without units; a field without components, or a name given twice.
+        ShapeError: a network of other inputs than the features, or of other outputs than the action.
+        InvalidValueError: a layer without units; a part without components, or a name given twice.
     """
 
     interface: Interface
@@ -151,7 +151,7 @@ class AgentCard:
     sha256: str
 
     def __post_init__(self) -> None:
-        network, names = self.network, self.interface.action_names
+        network, action = self.network, sum(part.size for part in self.interface.action)
         for kind, name, valid in (
             ("activation", network.activation, ACTIVATIONS),
             ("head", network.head, HEADS),
@@ -164,8 +164,8 @@ class AgentCard:
         features = make_features(self.interface)
         if features.size != network.inputs:
             raise ShapeError("input of the network", (network.inputs,), f"({features.size},), the features")
-        if names and len(names) != network.outputs:
-            raise ShapeError("names of the action", (len(names),), f"({network.outputs},), the action")
+        if action not in (0, network.outputs):
+            raise ShapeError("output of the network", (network.outputs,), f"({action},), the action")
 
     @property
     def environment_id(self) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from prp_gym.agents.agent_card import AgentCard, Interface, Keyword, ObservedField, PlainFeatures, Run, Score
+from prp_gym.agents.agent_card import AgentCard, Interface, Keyword, Part, PlainFeatures, Run, Score
 from prp_gym.agents.agent_tensors import digest, pack_tensors
 from prp_gym.agents.features import TrackingFeatures
 from prp_gym.agents.learned_policy import LearnedPolicy
@@ -37,7 +37,7 @@ class AgentFacts:
         layout: of the observation.
         run: the training.
         scores: after training, by scenario; none before it is evaluated.
-        action_names: of the action's components, where they are known.
+        action: its parts, in order; none where they are not known.
     """
 
     environment_id: str
@@ -45,7 +45,7 @@ class AgentFacts:
     layout: ObservationLayout
     run: Run
     scores: Mapping[str, Score] = field(default_factory=dict)
-    action_names: tuple[str, ...] = ()
+    action: tuple[Part, ...] = ()
 
 
 def identity_normalizer(size: int) -> Normalizer:
@@ -112,9 +112,9 @@ def _interface(facts: AgentFacts, inputs: int) -> Interface:
     return Interface(
         environment_id=facts.environment_id,
         keywords=dict(facts.environment_keywords),
-        observation=tuple(ObservedField(part.name, part.shape[0]) for part in facts.layout.fields),
+        observation=tuple(Part(part.name, part.shape[0]) for part in facts.layout.fields),
         features=fitting[0].names,
-        action_names=facts.action_names,
+        action=facts.action,
     )
 
 

@@ -12,7 +12,7 @@ from gymnasium.wrappers import TransformObservation
 from numpy.typing import NDArray
 
 import prp_gym  # noqa: F401 (registers the environments)
-from prp_gym.agents.agent_card import AgentCard, CurvePoint, Interface, ObservedField, Run, Score
+from prp_gym.agents.agent_card import AgentCard, CurvePoint, Interface, Part, Run, Score
 from prp_gym.agents.export import AgentFacts
 from prp_gym.agents.features import TrackingFeatures
 from prp_gym.agents.learned_policy import LearnedPolicy
@@ -34,7 +34,10 @@ RUN = Run(
         "target_kl": None,
         "name": "ä",
     },
-    curve=(CurvePoint(1_000, 6.0, 0.25, 4.0), CurvePoint(2_000, 12.5, 0.5, 0.0)),
+    curve=(
+        CurvePoint(1_000, 6.0, 0.25, {"joint_stop": 4.0}),
+        CurvePoint(2_000, 12.5, 0.5, {"joint_stop": 4.5, "divergences": 1.0}),
+    ),
 )
 
 
@@ -61,9 +64,9 @@ def made_up_policy(
         name: rng.normal(scale=0.3, size=size).astype(np.float32)
         for name, size in shape.tensor_shapes().items()
     }
-    observation = tuple(ObservedField(part.name, part.shape[0]) for part in layout_of(ID).fields)
+    observation = tuple(Part(part.name, part.shape[0]) for part in layout_of(ID).fields)
     card = AgentCard(
-        interface=Interface(ID, KEYWORDS, observation, features.names, ("first", "second", "third")),
+        interface=Interface(ID, KEYWORDS, observation, features.names, (Part("near", 1), Part("far", 2))),
         algorithm="RecurrentPPO" if memory else "PPO",
         network=shape,
         run=RUN,

@@ -57,11 +57,14 @@ def saved(tmp_path: Path) -> Path:
         (put("interface", "observation", value=[]), "key 'card': observation fields is []"),
         (
             put("interface", "observation", 0, "size", value=0),
-            "size of field 'joint_position' is 0; allowed: 1",
+            "size of part 'joint_position' is 0; allowed: 1",
         ),
-        (put("interface", "observation", 0, "size", value=10**12), "size of field 'joint_position'"),
+        (put("interface", "observation", 0, "size", value=10**12), "size of part 'joint_position'"),
         (put("interface", "features", 0, value="x"), "unknown list of features"),
-        (put("interface", "action_names", value=["a"]), "names of the action has shape (1,); expected (3,)"),
+        (
+            put("interface", "action", 0, "size", value=2),
+            "output of the network has shape (3,); expected (4,)",
+        ),
         (put("network", "inputs", value=7), "input of the network has shape (7,); expected (33,)"),
         (put("network", "hidden", 0, value=0), "layer sizes is (33, 0, 3); allowed: at least 1"),
         (put("network", "activation", value="tanhh"), "unknown activation 'tanhh'. Did you mean 'tanh'?"),

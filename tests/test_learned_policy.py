@@ -82,7 +82,7 @@ def test_activations_take_large_numbers_without_a_warning() -> None:
 def test_memory_follows_the_equations_of_the_lstm() -> None:
     shape = NetworkShape(2, (3,), (), 1, "tanh", "tanh")
     rng = np.random.default_rng(2)
-    tensors = {name: rng.normal(size=size) for name, size in shape.tensor_shapes().items()}
+    tensors: dict[str, Any] = {name: rng.normal(size=size) for name, size in shape.tensor_shapes().items()}
     net, output, cell = Network(shape, tensors), np.zeros(3), np.zeros(3)
     memory = net.initial_memory(())
     for _ in range(5):
