@@ -41,7 +41,7 @@ def make_sb3_vec_env(
             together.
         PRPError: a keyword that does not exist or a value that is not allowed.
     """
-    _require_stable_baselines()
+    require_stable_baselines()
     from stable_baselines3.common.vec_env import VecMonitor
 
     from prp_gym.agents.vec_env import SB3VecEnv
@@ -61,9 +61,13 @@ def make_sb3_vec_env(
     return vec_env
 
 
-def _require_stable_baselines() -> None:
-    """Raise unless Stable-Baselines3 and what it is built on can be imported."""
-    for package in ("torch", "stable_baselines3"):
+def require_stable_baselines(*more: str) -> None:
+    """Raise unless Stable-Baselines3, what it is built on, and more packages can be imported.
+
+    Raises:
+        MissingPackageError: one of them is not installed.
+    """
+    for package in ("torch", "stable_baselines3", *more):
         try:
             import_module(package)
         except ModuleNotFoundError as error:

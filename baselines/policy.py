@@ -17,7 +17,8 @@ from prp_gym.baselines.references import (
     References,
 )
 from prp_gym.baselines.settings import Settings
-from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
+from prp_gym.errors import InvalidValueError, MissingFieldError
+from prp_gym.policy_state import PolicyState, state_to_begin_with
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link, LinkParameters
@@ -25,7 +26,6 @@ from prp_gym.tasks.fields import ObservationLayout
 
 Model = PRPArm | Link
 LawState = tuple[Array, ...]
-PolicyState = tuple[NDArray[Any], ...] | None
 Observed = Mapping[str, Array]
 
 
@@ -213,20 +213,7 @@ class Baseline(ABC, Generic[SettingsT]):
         """The state to go on with: the last one, and a new one where an episode starts."""
         lead = observed["joint_position"].shape[:-1]
         fresh = self.initial_state(observed)
-        if not state:
-            return fresh
-        _require_like(fresh, state)
-        if episode_start is None or not np.any(episode_start):
-            return state
-        starts = np.asarray(episode_start, dtype=np.bool_)
-        if starts.size == 1:
-            starts = starts.reshape((1,) * len(lead))
-        elif starts.shape != lead:
-            raise ShapeError("episode_start", starts.shape, f"{lead}")
-        return tuple(
-            np.where(starts.reshape(starts.shape + (1,) * (new.ndim - starts.ndim)), new, old)
-            for new, old in zip(fresh, state, strict=True)
-        )
+        return state_to_begin_with(fresh, state, episode_start, lead)
 
     def _hold(self, before: LawState, after: LawState, limited: NDArray[np.bool_]) -> LawState:
         """Integrators stand still where an actuator is at its limit (anti-windup)."""
@@ -255,15 +242,6 @@ class StaticBaseline(Baseline[SettingsT]):
     def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
         """See `Baseline.control`."""
         return self.torque(observed), state
-
-
-def _require_like(fresh: LawState, state: LawState) -> None:
-    """Raise unless a state has the arrays and shapes of a new one."""
-    if len(state) != len(fresh):
-        raise ShapeError("state", (len(state),), f"a tuple of {len(fresh)} arrays")
-    for new, old in zip(fresh, state, strict=True):
-        if np.shape(old) != new.shape:
-            raise ShapeError("state", np.shape(old), f"{new.shape}")
 
 
 def _references(layout: ObservationLayout, model: Model) -> References:

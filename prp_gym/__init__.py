@@ -19,6 +19,7 @@ from prp_gym.registration import list_envs, register_environments
 from prp_gym.robot import PRPArm, RobotParameters
 
 if TYPE_CHECKING:
+    from prp_gym.agents.agent_file import list_agents, load_agent
     from prp_gym.agents.make_vec_env import make_sb3_vec_env
     from prp_gym.baselines.registry import list_baselines, make_baseline
     from prp_gym.evaluation.evaluate import evaluate
@@ -31,15 +32,19 @@ __all__ = [
     "RobotParameters",
     "__version__",
     "evaluate",
+    "list_agents",
     "list_baselines",
     "list_envs",
+    "load_agent",
     "make_baseline",
     "make_sb3_vec_env",
 ]
 
 _IMPORTED_ON_USE = {
     "evaluate": "prp_gym.evaluation.evaluate",
+    "list_agents": "prp_gym.agents.agent_file",
     "list_baselines": "prp_gym.baselines.registry",
+    "load_agent": "prp_gym.agents.agent_file",
     "make_baseline": "prp_gym.baselines.registry",
     "make_sb3_vec_env": "prp_gym.agents.make_vec_env",
 }

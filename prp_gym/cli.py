@@ -8,6 +8,7 @@ import typer
 
 from prp_gym.errors import PRPError
 from prp_gym.evaluate_command import evaluate_command
+from prp_gym.export_command import export_command
 from prp_gym.listing import list_command
 from prp_gym.reproduction.command import reproduce_command
 from prp_gym.terminal import make_console
@@ -40,6 +41,7 @@ def common(
 
 
 app.command("evaluate")(evaluate_command)
+app.command("export")(export_command)
 app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
 app.command("tune")(tune_command)

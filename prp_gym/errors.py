@@ -123,6 +123,15 @@ class OutputError(PRPError, RuntimeError):
         super().__init__(f"cannot write to {self.path!r}: {self.reason}")
 
 
+class AgentFileError(PRPError, ValueError):
+    """A trained agent's file that is missing, damaged, altered or of another kind."""
+
+    def __init__(self, path: object, what: str) -> None:
+        self.path = str(path)
+        self.what = what
+        super().__init__(f"agent file {self.path!r}: {what}.")
+
+
 class RenderingError(PRPError, RuntimeError):
     """A picture that cannot be drawn on this machine or in this mode."""
 

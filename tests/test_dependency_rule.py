@@ -24,6 +24,7 @@ APPLICATIONS = {
     "prp_gym",
     "prp_gym.cli",
     "prp_gym.evaluate_command",
+    "prp_gym.export_command",
     "prp_gym.finished_pairs",
     "prp_gym.listing",
     "prp_gym.pairs",
@@ -49,6 +50,7 @@ THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
     "prp_gym.cli": {"typer"},
     "prp_gym.evaluate_command": {"rich", "typer"},
+    "prp_gym.export_command": {"typer"},
     "prp_gym.listing": {"rich", "typer"},
     "prp_gym.parallel": {"joblib", "ray"},
     "prp_gym.terminal": {"rich"},

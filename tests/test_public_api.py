@@ -20,7 +20,7 @@ HEAVY = ("rich", "typer", "torch", "stable_baselines3", "matplotlib", "mujoco", 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
 NAMES = (
     *("PRPArm", "PRPError", "RobotParameters", "evaluate", "list_baselines", "list_envs", "make_baseline"),
-    "make_sb3_vec_env",
+    *("make_sb3_vec_env", "list_agents", "load_agent"),
 )
 
 
@@ -54,12 +54,15 @@ def test_unknown_attribute_is_refused_by_name() -> None:
 
 
 def test_names_imported_on_use_are_those_of_their_modules() -> None:
+    from prp_gym.agents.agent_file import list_agents, load_agent
     from prp_gym.agents.make_vec_env import make_sb3_vec_env
     from prp_gym.baselines.registry import list_baselines, make_baseline
     from prp_gym.evaluation.evaluate import evaluate
 
     assert prp_gym.evaluate is evaluate
+    assert prp_gym.list_agents is list_agents
     assert prp_gym.list_baselines is list_baselines
+    assert prp_gym.load_agent is load_agent
     assert prp_gym.make_baseline is make_baseline
     assert prp_gym.make_sb3_vec_env is make_sb3_vec_env
     assert prp_gym.list_baselines() == list(BASELINES)

@@ -6,6 +6,7 @@ import os
 import platform
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -124,4 +125,5 @@ def write_file(path: Path, content: bytes) -> None:
     except OSError as error:
         raise OutputError(path, error) from error
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):  # it is not there, or has no folder
+            part.unlink()

@@ -1,0 +1,136 @@
+"""JSON as values of dataclasses: every key there and none beside, each of its type, numbers finite."""
+
+import json
+import math
+import types
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from prp_gym.errors import AgentFileError, PRPError
+
+_NAMES = {str: "text", int: "a whole number", float: "a number", bool: "true or false", type(None): "null"}
+
+ValueT = TypeVar("ValueT")
+
+
+def parse_json(path: Path, content: bytes) -> Any:
+    """What a JSON file holds.
+
+    Args:
+        path: of the file, for messages.
+        content: of the file.
+
+    Raises:
+        AgentFileError: not JSON; a key given twice; NaN or infinity, which JSON does not know.
+    """
+
+    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(pairs)
+        if len(found) < len(pairs):
+            raise ValueError(f"a key is given twice in {[key for key, _ in pairs]}")
+        return found
+
+    def finite(text: str) -> float:
+        if not math.isfinite(number := float(text)):
+            raise ValueError(f"{text} is no finite number")
+        return number
+
+    try:
+        text = content.decode("utf-8")
+        return json.loads(text, object_pairs_hook=unique, parse_float=finite, parse_constant=finite)
+    except (ValueError, RecursionError) as error:
+        raise AgentFileError(path, f"is not a JSON file: {error}") from None
+
+
+class StrictReader:
+    """Reads plain JSON values as the types of dataclasses say.
+
+    Args:
+        path: of the file, for messages.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def read(self, kind: type[ValueT], plain: Any, key: str) -> ValueT:
+        """A value of a dataclass.
+
+        Args:
+            kind: the dataclass.
+            plain: as JSON gives it.
+            key: where it stands in the file.
+
+        Raises:
+            AgentFileError: a key missing or unknown, a value of another type or not allowed.
+        """
+        value: ValueT = self._object(kind, plain, key)
+        return value
+
+    def members(self, plain: Any, key: str, names: set[str]) -> dict[str, Any]:
+        """An object with these keys and no others.
+
+        Raises:
+            AgentFileError: not an object, or one of other keys.
+        """
+        if not isinstance(plain, dict):
+            raise self._refusal(key, plain, "an object")
+        for name in sorted(plain.keys() ^ names):
+            fault = "is missing" if name in names else "is unknown"
+            raise AgentFileError(self._path, f"key {_join(key, name)!r} {fault}")
+        return plain
+
+    def _object(self, kind: Any, plain: Any, key: str) -> Any:
+        kinds = get_type_hints(kind)
+        names = [field.name for field in fields(kind)]
+        plain = self.members(plain, key, set(names))
+        values = {name: self._value(kinds[name], plain[name], _join(key, name)) for name in names}
+        try:
+            return kind(**values)
+        except PRPError as error:
+            raise AgentFileError(self._path, f"key {key!r}: {str(error).rstrip('.')}") from error
+
+    def _value(self, kind: Any, plain: Any, key: str) -> Any:
+        origin, arguments = get_origin(kind), get_args(kind)
+        if kind is Any:
+            return plain
+        if is_dataclass(kind):
+            return self._object(kind, plain, key)
+        if origin is tuple:
+            if not isinstance(plain, list):
+                raise self._refusal(key, plain, "a list")
+            return tuple(self._value(arguments[0], item, f"{key}[{n}]") for n, item in enumerate(plain))
+        if origin is Mapping:
+            items = self.members(plain, key, set(plain) if isinstance(plain, dict) else set())
+            return {name: self._value(arguments[1], item, _join(key, name)) for name, item in items.items()}
+        if origin in (Union, types.UnionType):
+            return self._one_of(arguments, plain, key)
+        return self._scalar(kind, plain, key)
+
+    def _one_of(self, kinds: tuple[Any, ...], plain: Any, key: str) -> Any:
+        """The value as the first of several types that fits."""
+        for kind in kinds:
+            wanted = list if get_origin(kind) is tuple else kind
+            if type(plain) is wanted:
+                return self._value(kind, plain, key)
+        raise self._refusal(key, plain, "text, a number, true, false, null or a list of numbers")
+
+    def _scalar(self, kind: type, plain: Any, key: str) -> Any:
+        if kind is float and type(plain) is int:
+            try:
+                return float(plain)
+            except OverflowError:
+                raise self._refusal(key, plain, _NAMES[kind]) from None
+        if type(plain) is not kind:  # true is no number
+            raise self._refusal(key, plain, _NAMES[kind])
+        return plain
+
+    def _refusal(self, key: str, plain: Any, expected: str) -> AgentFileError:
+        shown = repr(plain)
+        shown = shown if len(shown) <= 80 else f"{shown[:77]}..."
+        return AgentFileError(self._path, f"key {key!r} is {shown}; expected {expected}")
+
+
+def _join(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name
