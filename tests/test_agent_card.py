@@ -103,8 +103,8 @@ def test_file_that_is_no_card_is_refused(saved: Path, content: bytes, message: s
     assert message in refusal(saved)
 
 
-@pytest.mark.parametrize("levels", range(100, 1500, 200))
-def test_card_of_many_levels_is_refused(levels: int) -> None:
+def nested_card(levels: int) -> bytes:
+    """A card with lists within lists, and a checksum that fits."""
     nested = "[" * levels + "]" * levels
     whole = json.loads(pack_card(POLICY.card))
     whole["card"]["run"]["hyperparameters"] = {"x": 0}
@@ -112,9 +112,15 @@ def test_card_of_many_levels_is_refused(levels: int) -> None:
         '"x":0', f'"x":{nested}'
     )
     whole["checksum"] = hashlib.sha256(compact.encode()).hexdigest()
-    content = json.dumps(whole).replace('"x": 0', f'"x": {nested}').encode()
-    with pytest.raises(AgentFileError, match=r"levels|not a JSON file|not written as this package writes"):
-        unpack_card(Path("x.json"), content)
+    return json.dumps(whole).replace('"x": 0', f'"x": {nested}').encode()
+
+
+def test_card_of_many_levels_is_refused_by_whatever_part_of_the_reader_gives_up_first() -> None:
+    for levels in (100, *range(700, 1000), 1500):
+        with pytest.raises(
+            AgentFileError, match=r"levels|not a JSON file|not written as this package writes"
+        ):
+            unpack_card(Path("x.json"), nested_card(levels))
 
 
 @pytest.mark.parametrize(
