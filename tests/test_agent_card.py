@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from prp_gym.agents import agent_file
+from prp_gym.agents import agent_file, card_file
 from prp_gym.agents.agent_file import save_agent
 from prp_gym.agents.card_file import pack_card, unpack_card
 from prp_gym.errors import AgentFileError
@@ -103,8 +103,8 @@ def test_file_that_is_no_card_is_refused(saved: Path, content: bytes, message: s
     assert message in refusal(saved)
 
 
-@pytest.mark.parametrize("levels", range(100, 1500, 200))
-def test_card_of_many_levels_is_refused(levels: int) -> None:
+def nested_card(levels: int) -> bytes:
+    """A card with lists within lists, and a checksum that fits."""
     nested = "[" * levels + "]" * levels
     whole = json.loads(pack_card(POLICY.card))
     whole["card"]["run"]["hyperparameters"] = {"x": 0}
@@ -112,8 +112,23 @@ def test_card_of_many_levels_is_refused(levels: int) -> None:
         '"x":0', f'"x":{nested}'
     )
     whole["checksum"] = hashlib.sha256(compact.encode()).hexdigest()
-    content = json.dumps(whole).replace('"x": 0', f'"x": {nested}').encode()
+    return json.dumps(whole).replace('"x": 0', f'"x": {nested}').encode()
+
+
+@pytest.mark.parametrize("levels", [100, 800, 900, 1500, 100_000])
+def test_card_of_many_levels_is_refused(levels: int) -> None:
     with pytest.raises(AgentFileError, match=r"levels|not a JSON file|not written as this package writes"):
+        unpack_card(Path("x.json"), nested_card(levels))
+
+
+def test_levels_too_many_for_the_writer_alone_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    content = pack_card(POLICY.card)
+
+    def give_up(_: Any) -> bytes:  # where Python's JSON reader takes more levels than its writer
+        raise RecursionError
+
+    monkeypatch.setattr(card_file, "_render", give_up)
+    with pytest.raises(AgentFileError, match="has more levels than any card"):
         unpack_card(Path("x.json"), content)
 
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prp_gym.errors import (
+    AgentFileError,
     EpisodeError,
     InvalidValueError,
     JointLimitError,
@@ -33,6 +34,7 @@ WITH_FACTS = [
     JointLimitError("initial joint position", 2, 0.1, (-0.3, 0.0), "m"),
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
+    AgentFileError("agent.json", "is not a JSON file"),
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
 ]

@@ -205,7 +205,13 @@ def test_lstm_of_another_kind_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "space", [Box(-2, 2, (3,), np.float32), Box(0, 1, (3,), np.float32), Box(-1, 1, (3, 1), np.float32)]
+    "space",
+    [
+        Box(-2, 2, (3,), np.float32),
+        Box(-1, 2, (3,), np.float32),
+        Box(0, 1, (3,), np.float32),
+        Box(-1, 1, (3, 1), np.float32),
+    ],
 )
 def test_other_action_space_is_refused(space: Box[Any]) -> None:
     source = trained("PPO")
