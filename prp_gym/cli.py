@@ -11,6 +11,7 @@ from prp_gym.evaluate_command import evaluate_command
 from prp_gym.listing import list_command
 from prp_gym.reproduction.command import reproduce_command
 from prp_gym.terminal import make_console
+from prp_gym.train_command import train_command
 
 _USAGE_ERROR = 2
 
@@ -41,6 +42,7 @@ def common(
 app.command("evaluate")(evaluate_command)
 app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
+app.command("train")(train_command)
 
 
 def main() -> None:

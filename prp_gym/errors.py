@@ -123,6 +123,27 @@ class OutputError(PRPError, RuntimeError):
         super().__init__(f"cannot write to {self.path!r}: {self.reason}")
 
 
+class CheckpointError(PRPError, RuntimeError):
+    """A checkpoint of training that cannot be read."""
+
+    def __init__(self, path: object, reason: object) -> None:
+        self.path = str(path)
+        self.reason = str(reason)
+        super().__init__(
+            f"checkpoint {self.path!r} cannot be read: {self.reason}. Training cannot go on from it;"
+            " --fresh starts over."
+        )
+
+
+class RunFolderError(PRPError, RuntimeError):
+    """A folder of a training run in which this training cannot begin or go on."""
+
+    def __init__(self, path: object, reason: str) -> None:
+        self.path = str(path)
+        self.reason = reason
+        super().__init__(f"run folder {self.path!r}: {reason}. To start over, give --fresh.")
+
+
 class RenderingError(PRPError, RuntimeError):
     """A picture that cannot be drawn on this machine or in this mode."""
 
