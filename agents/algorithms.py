@@ -112,8 +112,6 @@ def constructor_arguments(settings: Mapping[str, Any], joints: int) -> dict[str,
     for key in _SCHEDULED:
         if key in arguments:
             arguments[key] = parse_schedule(key, arguments[key])
-    if isinstance(arguments.get("train_freq"), list):
-        arguments["train_freq"] = tuple(arguments["train_freq"])
     policy = dict(arguments.get("policy_kwargs", {}))
     if "activation_fn" in policy:
         policy["activation_fn"] = _activation(policy["activation_fn"])

@@ -73,11 +73,13 @@ def _write_parts(folder: Path, learner: Learner, state: TrainingState) -> None:
         "curve": [asdict(row) for row in state.curve],
         "violations": asdict(state.violations),
         "seconds": state.seconds,
+        "evaluation_seconds": state.evaluation_seconds,
         "resumes": state.resumes,
         "best": [{"steps": best.steps, "score": best.score} for best in state.best],
         "checksums": checksums,
     }
-    (folder / _STATE).write_text(json.dumps(to_plain(numbers)), encoding="utf-8")
+    text = json.dumps(to_plain(numbers))
+    (folder / _STATE).write_text(f"{zlib.crc32(text.encode())}\n{text}\n", encoding="utf-8")
     for path in folder.iterdir():
         _sync(path)
     _sync(folder)
@@ -140,7 +142,7 @@ def read_resumes(path: Path) -> int:
     Raises:
         CheckpointError: it is damaged.
     """
-    return int(_read(path, lambda: json.loads((path / _STATE).read_bytes())["resumes"]))
+    return int(_read(path, lambda: _read_numbers(path)["resumes"]))
 
 
 def restore_checkpoint(path: Path, learner: Learner) -> TrainingState:
@@ -157,6 +159,15 @@ def restore_checkpoint(path: Path, learner: Learner) -> TrainingState:
     return state
 
 
+def _read_numbers(path: Path) -> dict[str, Any]:
+    """The numbers of a checkpoint, whose checksum stands before them."""
+    checksum, _, text = (path / _STATE).read_text(encoding="utf-8").partition("\n")
+    if zlib.crc32(text.removesuffix("\n").encode()) != int(checksum):
+        raise ValueError(f"the checksum of {_STATE} does not match")
+    numbers: dict[str, Any] = json.loads(text)
+    return numbers
+
+
 def _read(path: Path, read: Callable[[], Any]) -> Any:
     try:
         return read()
@@ -166,7 +177,7 @@ def _read(path: Path, read: Callable[[], Any]) -> Any:
 
 def _restore(path: Path, learner: Learner) -> TrainingState:
     model: Any = learner.model
-    numbers = json.loads((path / _STATE).read_bytes())
+    numbers = _read_numbers(path)
     for name, expected in numbers["checksums"].items():
         if _checksum(path / name) != expected:
             raise ValueError(f"the checksum of {name} does not match")
@@ -222,4 +233,5 @@ def _training_state(
         best.append(BestPolicy(facts["steps"], facts["score"], weights, normalizer))
     curve = [CurveRow(**row) for row in numbers["curve"]]
     violations = Violations(**numbers["violations"])
-    return TrainingState(curve, violations, numbers["seconds"], numbers["resumes"], best)
+    seconds, of_them = numbers["seconds"], numbers["evaluation_seconds"]
+    return TrainingState(curve, violations, seconds, of_them, numbers["resumes"], best)

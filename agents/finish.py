@@ -53,10 +53,12 @@ def finish_run(
         "seed": seed,
         "steps": learner.model.num_timesteps,
         "seconds": state.seconds,
+        "evaluation_seconds": state.evaluation_seconds,
         "resumes": state.resumes,
         "best": {"steps": best.steps, "score": best.score},
         "last_score": state.curve[-1].score,
         "violations": state.curve[-1].violations,
     }
     write_json(folder.result, result)
+    folder.progress.unlink(missing_ok=True)
     return result

@@ -1,6 +1,5 @@
 """How good a policy in training is, on episodes that it is never trained on."""
 
-import time
 from typing import Any
 
 import numpy as np
@@ -9,10 +8,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from prp_gym.agents.feature_vec_env import TrackingFeaturesVecEnv
 from prp_gym.agents.make_vec_env import make_sb3_vec_env
 from prp_gym.agents.normalizer import Normalizer
-from prp_gym.agents.recipes import Recipe
-
-FIRST_SEED = 500_000_000
-"""Seed of the first held-out episode; the others follow."""
+from prp_gym.agents.recipes import FIRST_HELD_OUT_SEED, Recipe
 
 
 class HeldOutEpisodes:
@@ -21,17 +17,15 @@ class HeldOutEpisodes:
     Args:
         recipe: whose environment it is.
         episodes: how many.
-
-    Attributes:
-        seconds: that all evaluations took so far [s].
     """
 
     def __init__(self, recipe: Recipe, episodes: int) -> None:
         keywords: dict[str, Any] = dict(recipe.env_kwargs)
-        made = make_sb3_vec_env(recipe.environment_id, episodes, seed=FIRST_SEED, num_threads=1, **keywords)
+        made = make_sb3_vec_env(
+            recipe.environment_id, episodes, seed=FIRST_HELD_OUT_SEED, num_threads=1, **keywords
+        )
         self._duration = float(made.get_attr("duration", 0)[0])
         self._env = TrackingFeaturesVecEnv(made)
-        self.seconds = 0.0
 
     def score(self, model: BaseAlgorithm, normalizer: Normalizer) -> float:
         """Mean of return / duration over the episodes, in [0, 1], of the policy without exploration.
@@ -40,8 +34,7 @@ class HeldOutEpisodes:
             model: in training, left as it is.
             normalizer: of the features, as training has it now.
         """
-        start = time.perf_counter()
-        self._env.seed(FIRST_SEED)
+        self._env.seed(FIRST_HELD_OUT_SEED)
         features = np.asarray(self._env.reset())
         count = self._env.num_envs
         returns, running = np.zeros(count), np.ones(count, dtype=np.bool_)
@@ -53,7 +46,6 @@ class HeldOutEpisodes:
             features, begins = np.asarray(step[0]), step[2]
             returns += np.where(running, step[1], 0.0)
             running &= ~begins
-        self.seconds += time.perf_counter() - start
         return float(np.mean(returns) / self._duration)
 
     def close(self) -> None:

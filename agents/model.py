@@ -12,10 +12,8 @@ from prp_gym.agents.algorithms import constructor_arguments, load_algorithm
 from prp_gym.agents.feature_vec_env import TrackingFeaturesVecEnv
 from prp_gym.agents.make_vec_env import make_sb3_vec_env
 from prp_gym.agents.normalizer import Normalizer
-from prp_gym.agents.recipes import Recipe
-
-EPISODES_A_SEED = 1_000_000
-"""Seeds of episodes that belong to a training seed: seed k has those from (k + 1) times this."""
+from prp_gym.agents.recipes import EPISODES_A_SEED, Recipe
+from prp_gym.errors import InvalidValueError
 
 
 @dataclass(frozen=True)
@@ -65,6 +63,12 @@ def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
     joints = int(np.prod(env.action_space.shape or ()))
     arguments = constructor_arguments(recipe.settings, joints)
     kind: Any = load_algorithm(recipe.algorithm)
-    model: BaseAlgorithm = kind(recipe.policy, env, seed=seed, device="cpu", verbose=0, **arguments)
+    try:
+        model: BaseAlgorithm = kind(recipe.policy, env, seed=seed, device="cpu", verbose=0, **arguments)
+    except (AssertionError, TypeError, ValueError) as error:
+        allowed = f"what {kind.__name__} takes ({error})"
+        raise InvalidValueError(
+            f"recipe's settings of {recipe.algorithm}", recipe.settings, allowed
+        ) from error
     env.seed((seed + 1) * EPISODES_A_SEED + resumes * recipe.n_envs)  # the model gave them seeds of its own
     return Learner(model, env)

@@ -91,8 +91,10 @@ class TrainingProgress(BaseCallback):
 
     def _evaluate(self, steps: int) -> None:
         """Add a row to the curve, and remember the policy if it is the best so far."""
+        start = time.perf_counter()
         normalizer = self._learner.normalizer
         score = self._held_out.score(self.model, normalizer)
+        self._state.evaluation_seconds += time.perf_counter() - start
         self._count_seconds()
         row = CurveRow(steps, self._state.seconds, score, asdict(self._state.violations))
         self._state.curve.append(row)

@@ -1,5 +1,6 @@
 """`Recipe`: how an agent is trained, merged from the files in `hyperparameters/`."""
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -20,6 +21,16 @@ _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normal
 _MODES = "action_modes"
 _DEFAULT = "default"
 _NORMALIZED = ("obs", "reward")
+_EXPONENT = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?[eE][+-]?[0-9]+")
+
+EPISODES_A_SEED = 1_000_000
+"""Seeds of episodes that belong to a training seed: seed k has those from (k + 1) times this."""
+
+FIRST_HELD_OUT_SEED = 500_000_000
+"""Seed of the first held-out episode; the others follow."""
+
+SEEDS = FIRST_HELD_OUT_SEED // EPISODES_A_SEED - 1
+"""How many training seeds there are, so that none has a held-out episode."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +143,8 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
     for key in _mapping("policy_kwargs", merged.get("policy_kwargs", {})):
         if key not in allowed:
             raise UnknownNameError(f"key of policy_kwargs of {algorithm}", key, allowed)
+    if "train_freq" in merged:
+        _count("train_freq", merged["train_freq"])
     settings = {key: value for key, value in merged.items() if key not in _COMMON or key == "policy_kwargs"}
     constructor_arguments(settings, joints=1)  # refuses what it cannot read
     return Recipe(
@@ -155,7 +168,7 @@ def _read(algorithm: str, config: Path | None) -> dict[str, Any]:
         content = yaml.safe_load((config or built_in).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise InvalidValueError("config", str(where), f"a readable file in YAML ({error})") from error
-    entries = _mapping(f"content of {where}", content)
+    entries = _mapping(f"content of {where}", _with_numbers(content))
     for name, entry in entries.items():
         if name not in (_DEFAULT, *list_envs()):
             raise UnknownNameError(f"environment in {where}", name, (_DEFAULT, *list_envs()))
@@ -168,7 +181,7 @@ def _parse_override(text: str) -> dict[str, Any]:
     yaml = require("yaml")
     key, equals, value = text.partition("=")
     try:
-        parsed = yaml.safe_load(value)
+        parsed = _with_numbers(yaml.safe_load(value))
     except yaml.YAMLError:
         equals = ""
     steps = key.strip().split(".")
@@ -178,6 +191,17 @@ def _parse_override(text: str) -> dict[str, Any]:
         parsed = {step: parsed}
     made: dict[str, Any] = parsed
     return made
+
+
+def _with_numbers(value: object) -> Any:
+    """A value of YAML with texts such as `5e-4`, which YAML does not take for numbers, as numbers."""
+    if isinstance(value, Mapping):
+        return {key: _with_numbers(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_with_numbers(item) for item in value]
+    if isinstance(value, str) and _EXPONENT.fullmatch(value):
+        return float(value)
+    return value
 
 
 def _merge(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:

@@ -81,7 +81,8 @@ class RunFolder:
     def read_steps(self) -> int:
         """Steps trained so far, as the run last told."""
         try:
-            return int(json.loads(self.progress.read_bytes())["steps"])
+            told = self.result if self.is_finished else self.progress
+            return int(json.loads(told.read_bytes())["steps"])
         except (OSError, ValueError, LookupError, TypeError):
             return 0
 

@@ -17,13 +17,14 @@ from prp_gym.agents.checkpoint import (
     restore_checkpoint,
 )
 from prp_gym.agents.finish import finish_run
-from prp_gym.agents.held_out import FIRST_SEED, HeldOutEpisodes
+from prp_gym.agents.held_out import HeldOutEpisodes
 from prp_gym.agents.model import Learner, make_learner
 from prp_gym.agents.progress import Milestones, TrainingProgress
-from prp_gym.agents.recipes import Recipe
+from prp_gym.agents.recipes import FIRST_HELD_OUT_SEED, Recipe
 from prp_gym.agents.run_folder import RunFolder
 from prp_gym.agents.training_state import CurveRow, TrainingState
 from prp_gym.errors import RunFolderError
+from prp_gym.evaluation.results import write_json
 
 ON_EXISTING = ("refuse", "resume", "fresh")
 
@@ -61,7 +62,7 @@ class TrainingJob:
             "seed": self.seed,
             "eval_every": self.eval_every,
             "eval_episodes": self.eval_episodes,
-            "first_held_out_seed": FIRST_SEED,
+            "first_held_out_seed": FIRST_HELD_OUT_SEED,
         }
 
 
@@ -145,6 +146,7 @@ def _learn(
     model = learner.model
     model.set_logger(_make_logger(job, folder))
     done = model.num_timesteps
+    write_json(folder.curve, state.plain_curve())  # without what came after the last checkpoint
     evaluations = Milestones(job.eval_every, done)
     checkpoints = Milestones(job.checkpoint_every or job.eval_every, done)
     with closing(HeldOutEpisodes(job.recipe, job.eval_episodes)) as held_out:

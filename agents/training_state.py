@@ -32,7 +32,7 @@ class Violations:
         for name, key in _COSTS.items():
             if key in infos[0]:
                 setattr(self, name, getattr(self, name) + float(sum(info[key] for info in infos)))
-        self.divergences += sum(not infos[index][_TRUNCATED] for index in np.flatnonzero(dones))
+        self.divergences += sum(not infos[index][_TRUNCATED] for index in np.flatnonzero(dones).tolist())
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,8 @@ class TrainingState:
     Attributes:
         curve: evaluations, in order.
         violations: so far.
-        seconds: of training before this process went on [s].
+        seconds: of training so far, before a resume too [s].
+        evaluation_seconds: of them for evaluations [s].
         resumes: how often training went on.
         best: list of the best policy, empty before the first evaluation.
     """
@@ -84,6 +85,7 @@ class TrainingState:
     curve: list[CurveRow] = field(default_factory=list)
     violations: Violations = field(default_factory=Violations)
     seconds: float = 0.0
+    evaluation_seconds: float = 0.0
     resumes: int = 0
     best: list[BestPolicy] = field(default_factory=list)
 

@@ -13,7 +13,7 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from prp_gym.agents.recipes import Recipe, load_recipe
+from prp_gym.agents.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.errors import InvalidValueError
 from prp_gym.parallel import Workers
 from prp_gym.terminal import TABLE_WIDTH, make_console, make_progress
@@ -101,6 +101,8 @@ def _check_counts(
     for name, (value, smallest) in least.items():
         if value < smallest:
             raise InvalidValueError(name, value, f"a whole number, at least {smallest}")
+    if first_seed + seeds > SEEDS:
+        raise InvalidValueError("last seed", first_seed + seeds - 1, f"at most {SEEDS - 1}")
 
 
 def _check_environment(recipe: Recipe) -> None:
