@@ -34,15 +34,16 @@ _SETTLED = frozenset(
         *("self", "policy", "env", "policy_kwargs", "seed", "verbose", "tensorboard_log", "device"),
         *("_init_setup_model", "action_noise", "optimize_memory_usage", "replay_buffer_class"),
         *("replay_buffer_kwargs", "rollout_buffer_class", "rollout_buffer_kwargs"),
+        *("use_sde", "sde_sample_freq", "use_sde_at_warmup"),
     )
 )
-"""Arguments of the algorithms that training sets, or that are no plain values."""
+"""Arguments that training sets, that are no plain values, or whose policies cannot be exported."""
 
 _SETTLED_POLICY = frozenset(
     (
         *("self", "observation_space", "action_space", "lr_schedule", "features_extractor_class"),
         *("features_extractor_kwargs", "normalize_images", "optimizer_class", "optimizer_kwargs"),
-        *("use_sde", "squash_output", "args", "kwargs"),
+        *("use_sde", "squash_output", "full_std", "use_expln", "clip_mean", "args", "kwargs"),
     )
 )
 

@@ -111,7 +111,8 @@ def load_recipe(
     merged: dict[str, Any] = {}
     for entry in (_DEFAULT, environment_id):
         merged = _merge(merged, {k: v for k, v in entries.get(entry, {}).items() if k != _MODES})
-    mode = action_mode or merged.get("env_kwargs", {}).get("action_mode", "torque")
+    own_mode = _mapping("env_kwargs", merged.get("env_kwargs", {})).get("action_mode", "torque")
+    mode = action_mode or str(own_mode)
     merged = {}
     for entry in (_DEFAULT, environment_id):
         own = dict(entries.get(entry, {}))
@@ -119,7 +120,8 @@ def load_recipe(
         merged = _merge(_merge(merged, own), of_mode)
     for text in overrides:
         merged = _merge(merged, _parse_override(text))
-    merged = _merge(merged, {"env_kwargs": {"action_mode": mode}})
+    keywords = _mapping("env_kwargs", merged.get("env_kwargs", {}))
+    merged["env_kwargs"] = {**keywords, "action_mode": mode}
     return make_recipe(algorithm, environment_id, merged)
 
 
