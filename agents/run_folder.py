@@ -1,8 +1,10 @@
 """The folder of a training run: what was asked for, what came out, and whether it may go on."""
 
+import fcntl
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +15,7 @@ from prp_gym.agents.recipes import Recipe
 from prp_gym.errors import InvalidValueError, RunFolderError
 from prp_gym.evaluation.results import list_versions, prepare_folder, to_plain, write_file, write_json
 
+_LOCK = ".lock"
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
 
 
@@ -119,6 +122,25 @@ class RunFolder:
         if differences:
             raise RunFolderError(self.path, f"it was trained with other settings: {'; '.join(differences)}")
 
+    @contextmanager
+    def hold(self) -> Iterator[None]:
+        """Keep other processes of this machine from the run, until the block or this process ends.
+
+        Raises:
+            RunFolderError: another one holds it.
+            OutputError: the folder cannot be made or written to.
+        """
+        prepare_folder(self.path)
+        with (self.path / _LOCK).open("w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise RunFolderError(self.path, "another process is training there") from None
+            try:
+                yield
+            finally:
+                (self.path / _LOCK).unlink(missing_ok=True)
+
     def remove(self) -> None:
         """Forget the run.
 
@@ -126,11 +148,17 @@ class RunFolder:
             InvalidValueError: a folder that holds something else.
         """
         if self.path.exists():
-            if any(self.path.iterdir()) and not (self.is_begun or self.run.exists()):
+            if {path.name for path in self.path.iterdir()} - {_LOCK} and not (
+                self.is_begun or self.run.exists()
+            ):
                 raise InvalidValueError(
                     "run folder", str(self.path), "an empty one, or one of a training run"
                 )
-            shutil.rmtree(self.path)
+            for path in self.path.iterdir():
+                if path.is_dir():
+                    shutil.rmtree(path)
+                elif path.name != _LOCK:
+                    path.unlink()
 
 
 def _differences(there: Mapping[str, Any], asked: Mapping[str, Any], prefix: str = "") -> list[str]:

@@ -107,6 +107,12 @@ def train(job: TrainingJob, report: Callable[[CurveRow], None] = _ignore) -> dic
     folder = RunFolder(job.folder)
     if is_ready(job):
         return folder.read_result()
+    with folder.hold():
+        return _train(job, folder, report)
+
+
+def _train(job: TrainingJob, folder: RunFolder, report: Callable[[CurveRow], None]) -> dict[str, Any]:
+    """Train in a folder that nobody else trains in."""
     if job.existing == "fresh":
         folder.remove()
     if not folder.is_begun:

@@ -209,7 +209,7 @@ def test_file_that_is_no_set_of_recipes_is_refused(tmp_path: Path, content: str)
 
 
 def test_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidValueError, match="nothing.yml"):
+    with pytest.raises(InvalidValueError, match=r"nothing\.yml"):
         load_recipe("ppo", ID, config=tmp_path / "nothing.yml")
 
 
