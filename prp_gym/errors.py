@@ -114,15 +114,6 @@ class EpisodeError(PRPError, RuntimeError):
     """A call that the current state of the episode does not permit."""
 
 
-class OutputError(PRPError, RuntimeError):
-    """A file or folder that cannot be written."""
-
-    def __init__(self, path: object, reason: object) -> None:
-        self.path = str(path)
-        self.reason = str(reason)
-        super().__init__(f"cannot write to {self.path!r}: {self.reason}")
-
-
 class CheckpointError(PRPError, RuntimeError):
     """A checkpoint of training that cannot be read."""
 
@@ -142,6 +133,15 @@ class RunFolderError(PRPError, RuntimeError):
         self.path = str(path)
         self.reason = reason
         super().__init__(f"run folder {self.path!r}: {reason}. To start over, give --fresh.")
+
+
+class OutputError(PRPError, RuntimeError):
+    """A file or folder that cannot be written."""
+
+    def __init__(self, path: object, reason: object) -> None:
+        self.path = str(path)
+        self.reason = str(reason)
+        super().__init__(f"cannot write to {self.path!r}: {self.reason}")
 
 
 class RenderingError(PRPError, RuntimeError):
