@@ -14,6 +14,7 @@ from prp_gym.agents import checkpoint
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.checkpoint import find_checkpoint, restore_checkpoint, write_checkpoint
 from prp_gym.agents.model import make_learner
+from prp_gym.agents.run_folder import RunFolder
 from prp_gym.agents.training import train
 from prp_gym.agents.training_state import TrainingState
 from prp_gym.errors import CheckpointError, RunFolderError
@@ -84,6 +85,14 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.raises(KeyboardInterrupt):
         train(tiny_job(folder), interrupted(3))
     return folder
+
+
+def test_two_processes_do_not_train_in_one_folder(tmp_path: Path) -> None:
+    job = tiny_job(tmp_path / "run")
+    with RunFolder(job.folder).hold(), pytest.raises(RunFolderError, match="another process is training"):
+        train(job)
+    assert train(job)["steps"] == 512
+    assert not list(job.folder.glob(".*"))
 
 
 DAMAGES = {

@@ -15,7 +15,7 @@ from prp_gym.agents.training_state import BestPolicy, CurveRow, TrainingState, V
 
 ID = "PRP-Adaptive-v0"
 SHORT = ("env_kwargs.control_frequency=50", "env_kwargs.duration=1", "gamma=0.9")
-TINY = {
+TINY: dict[str, tuple[str, ...]] = {
     "ppo": (
         *SHORT,
         "n_timesteps=512",
