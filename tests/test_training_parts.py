@@ -85,6 +85,11 @@ def test_episodes_differ_between_training_seeds_and_after_a_resume() -> None:
         assert not np.any(np.all(np.isin(np.asarray(firsts[0]), np.asarray(other)), axis=1))
 
 
+def test_training_seeds_begin_with_different_weights() -> None:
+    first, second = (make_learner(tiny_recipe(), seed).model.policy.state_dict() for seed in (0, 1))
+    assert not np.array_equal(first["action_net.weight"], second["action_net.weight"])
+
+
 def test_settings_that_the_algorithm_refuses_are_refused_with_its_reason() -> None:
     with pytest.raises(InvalidValueError, match="settings of ppo"):
         make_learner(tiny_recipe(more=["batch_size=1"]), 0)
