@@ -114,6 +114,27 @@ class EpisodeError(PRPError, RuntimeError):
     """A call that the current state of the episode does not permit."""
 
 
+class CheckpointError(PRPError, RuntimeError):
+    """A checkpoint of training that cannot be read."""
+
+    def __init__(self, path: object, reason: object) -> None:
+        self.path = str(path)
+        self.reason = str(reason)
+        super().__init__(
+            f"checkpoint {self.path!r} cannot be read: {self.reason}. Training cannot go on from it;"
+            " --fresh starts over."
+        )
+
+
+class RunFolderError(PRPError, RuntimeError):
+    """A folder of a training run in which this training cannot begin or go on."""
+
+    def __init__(self, path: object, reason: str) -> None:
+        self.path = str(path)
+        self.reason = reason
+        super().__init__(f"run folder {self.path!r}: {reason}. To start over, give --fresh.")
+
+
 class OutputError(PRPError, RuntimeError):
     """A file or folder that cannot be written."""
 

@@ -29,6 +29,7 @@ APPLICATIONS = {
     "prp_gym.listing",
     "prp_gym.pairs",
     "prp_gym.tune_command",
+    "prp_gym.train_command",
 }
 """The facade and the command line see everything but agents' tools."""
 
@@ -54,6 +55,7 @@ MORE_THIRD_PARTY = {
     "prp_gym.listing": {"rich", "typer"},
     "prp_gym.parallel": {"joblib", "ray"},
     "prp_gym.terminal": {"rich"},
+    "prp_gym.train_command": {"rich", "typer"},
     "prp_gym.evaluation.table": {"rich"},
     "prp_gym.reproduction.command": {"typer"},
     "prp_gym.reproduction.table": {"rich"},

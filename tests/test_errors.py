@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from prp_gym.errors import (
     AgentFileError,
+    CheckpointError,
     EpisodeError,
     InvalidValueError,
     JointLimitError,
@@ -18,6 +19,7 @@ from prp_gym.errors import (
     OutputError,
     PRPError,
     RenderingError,
+    RunFolderError,
     ShapeError,
     UnknownNameError,
     UnreachableError,
@@ -33,6 +35,8 @@ WITH_FACTS = [
     NonFiniteError("action", [0.0, float("nan"), 0.0]),
     JointLimitError("initial joint position", 2, 0.1, (-0.3, 0.0), "m"),
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
+    CheckpointError("checkpoint-000000000512", "the checksum of tensors.pt does not match"),
+    RunFolderError("runs/seed_0", "it holds an unfinished run"),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
     OutputError("results", "read-only file system"),
@@ -62,7 +66,9 @@ def test_examples_cover_every_class_of_the_module() -> None:
 @pytest.mark.parametrize("error", EXAMPLES, ids=class_name)
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
-    of_a_state = EpisodeError | MissingPackageError | OutputError | RenderingError
+    of_a_state = (
+        CheckpointError | EpisodeError | MissingPackageError | OutputError | RenderingError | RunFolderError
+    )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 
 
