@@ -175,8 +175,6 @@ def list_pairs(
     return pairs
 
 
-def make_environment(
-    environment_id: str, scenario: str, control_frequency: float
-) -> gymnasium.Env[Any, Any]:
+def make_environment(environment_id: str, scenario: str, control_frequency: float) -> gymnasium.Env[Any, Any]:
     """An environment whose actions are torques."""
     return gymnasium.make(environment_id, scenario=scenario, control_frequency=control_frequency)

@@ -10,9 +10,7 @@ from prp_gym.parallel import Workers
 from prp_gym.terminal import make_console, make_progress
 
 
-def play_pairs(
-    pairs: Sequence[PairT], workers: Workers, finished: FinishedPairs, label: str
-) -> list[Record]:
+def play_pairs(pairs: Sequence[PairT], workers: Workers, finished: FinishedPairs, label: str) -> list[Record]:
     """The records of all pairs in their order; those that are not there yet are played and kept.
 
     Args:

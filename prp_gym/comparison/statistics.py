@@ -170,7 +170,9 @@ def aggregate_tasks(places: Sequence[Place], seed: int) -> list[Aggregate]:
         families = _families([place for place in places if place.scenario == scenario])
         laws = families.get(BEST_LAW, {})
         for family, scores in families.items():
-            found.append(_aggregate(scenario, family, scores, {k: laws[k] for k in scores if k in laws}, seed))
+            found.append(
+                _aggregate(scenario, family, scores, {k: laws[k] for k in scores if k in laws}, seed)
+            )
     return found
 
 

@@ -128,7 +128,9 @@ class Place:
         for record in records:
             if record["seeds"] != first["seeds"]:
                 what = f"evaluation seeds of {record['policy']}"
-                raise InvalidValueError(what, record["seeds"], f"those of {first['policy']}, {first['seeds']}")
+                raise InvalidValueError(
+                    what, record["seeds"], f"those of {first['policy']}, {first['seeds']}"
+                )
         groups = _group(records, ("policy",))
         entries = tuple(Entry.of(own) for own in groups.values())
         return cls(first["environment"], first["scenario"], tuple(first["seeds"]), entries)

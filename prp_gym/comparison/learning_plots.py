@@ -1,0 +1,106 @@
+"""Learning curves: score against simulated time, agents and tuned laws beside the best law."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, new_figure, to_png
+from prp_gym.comparison.statistics import best_of, score_of
+from prp_gym.comparison.table import fold, short_id
+from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, Entry, History, Place
+from prp_gym.robot.arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_COLUMNS = 3
+_DASHES = ("-", "--", ":")
+
+
+def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
+    """Scores of several training seeds at common times, those between two points of a curve interpolated.
+
+    Args:
+        histories: one a training seed.
+
+    Returns:
+        simulated time (n) [s] within the span that all of them cover, and scores (training seeds, n).
+    """
+    times = [history.simulated_seconds for history in histories]
+    first, last = max(own[0] for own in times), min(own[-1] for own in times)
+    grid = np.unique(np.concatenate(times))
+    grid = grid[(grid >= first) & (grid <= last)]
+    scores = [np.interp(grid, own, history.score) for own, history in zip(times, histories, strict=True)]
+    return grid, np.stack(scores)
+
+
+def draw_learning(places: Sequence[Place]) -> bytes:
+    """Score against simulated time, a panel an environment and scenario of training.
+
+    A line is the median over training seeds, its band their range; a law that was tuned is a staircase, the
+    best law a horizontal line. Scores are those of held-out episodes of a training, or of the episodes of a
+    tuning.
+    """
+    panels = _panels(places)
+    rows = -(-max(len(panels), 1) // _COLUMNS)
+    columns = min(_COLUMNS, max(len(panels), 1))
+    figure = new_figure(5.2 * columns, 4.3 * rows)
+    grid = figure.subplots(rows, columns, squeeze=False).ravel()
+    goals = {
+        (place.environment_id, place.scenario): score_of(best_of(place.of_kind(*CLASSICAL)))
+        for place in places
+        if place.of_kind(*CLASSICAL)
+    }
+    for axes in grid[len(panels) :]:
+        axes.set_axis_off()
+    for axes, (key, entries) in zip(grid, panels.items(), strict=False):
+        _draw_panel(axes, entries, [goals[key]] if key in goals else [])
+        axes.set(title=f"{short_id(key[0])}, {key[1]}", xlabel="simulated time [s]", ylabel="score")
+    return to_png(figure)
+
+
+def _panels(places: Sequence[Place]) -> Mapping[tuple[str, str], list[Entry]]:
+    """What learned, once each, by environment and scenario of the training."""
+    seen: dict[tuple[str, str], Entry] = {}
+    for place in places:
+        for entry in place.of_kind(AGENT, BUDGET):
+            if entry.histories:
+                seen[place.environment_id, entry.policy] = entry
+    panels: dict[tuple[str, str], list[Entry]] = {}
+    for (environment_id, _), entry in seen.items():
+        panels.setdefault((environment_id, entry.histories[0].scenario), []).append(entry)
+    return panels
+
+
+def _draw_panel(axes: "Axes", entries: Sequence[Entry], goals: Sequence[float]) -> None:
+    agents = [entry for entry in entries if entry.kind == AGENT]
+    for index, entry in enumerate(agents):
+        time, scores = common_curve(entry.histories)
+        color = MODE_COLORS[index % len(MODE_COLORS)]
+        axes.plot(time, np.median(scores, axis=0), color=color, linewidth=1.8, label=_label(entry))
+        axes.fill_between(time, scores.min(axis=0), scores.max(axis=0), color=color, alpha=0.18, linewidth=0)
+    for index, entry in enumerate(entry for entry in entries if entry.kind == BUDGET):
+        history = entry.histories[0]
+        style = _DASHES[index % len(_DASHES)]
+        axes.step(
+            history.simulated_seconds,
+            history.score,
+            where="post",
+            color=COLORS[BUDGET],
+            linestyle=style,
+            label=fold(entry.policy),
+        )
+    for goal in goals:
+        axes.axhline(
+            goal, color=COLORS[CLASSICAL[0]], linestyle="-.", linewidth=1.3, label=f"best law {goal:.3f}"
+        )
+    axes.set_xscale("log")
+    axes.set_ylim(0.0, 1.02)
+    axes.grid(True, color=GRID, linewidth=0.6)
+    axes.legend(loc="lower right", fontsize=7, framealpha=0.8)
+
+
+def _label(entry: Entry) -> str:
+    count = len(entry.histories)
+    return fold(f"{entry.policy} ({count} {'seed' if count == 1 else 'seeds'})", 34)
