@@ -167,8 +167,8 @@ def _show(outcome: Outcome, output: Path, busy: bool) -> None:
     if outcome.duels:
         console.print(duel_table(outcome.duels))
         notes.append(
-            "better: whose score is higher by a paired difference with an interval that leaves out 0; apart: "
-            "whether the intervals of the two scores do not overlap. The best are chosen on the same episodes."
+            "better: whose score is higher by a paired difference whose interval leaves out 0; apart: whether "
+            "the intervals of the two scores do not overlap. The best are chosen on the same episodes."
         )
     console.print(aggregate_table(outcome.aggregates))
     if outcome.efforts:
@@ -180,7 +180,9 @@ def _show(outcome: Outcome, output: Path, busy: bool) -> None:
     console.print(audit_table(outcome.audits))
     notes += [f"{gauge_name}: {reason}." for gauge_name, reason in _reasons(outcome)]
     if busy:
-        notes.append("policy µs: measured beside other work; for that of a policy alone, choose --jobs 1.")
+        notes.append(
+            "µs: of an action, measured beside other work; for that of a policy alone, choose --jobs 1."
+        )
     for note in notes:
         console.print(note, highlight=False)
     console.print(f"results: {output / 'results.json'}", highlight=False)

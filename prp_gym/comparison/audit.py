@@ -50,6 +50,7 @@ _FORCE_REASON = (
     "the desired force and the angles; the tip's distance to x_d is left out, as pressing moves it off x_d"
     " along the normal"
 )
+_TRACKING_REASON = "the task asks for small errors at all times"
 _SETTLING_REASON = (
     "how soon the goal is kept for good, and how far off it is by those that never settle; the root mean"
     " square tells of the first distance rather than of the policy"
@@ -59,16 +60,14 @@ GAUGES: Mapping[str, Gauge] = {
     "PRP-JointRegulation-v0": Gauge(
         {"settling_time": (1.0,)}, _SETTLING_REASON, {"steady_state_error": _JOINTS}
     ),
-    "PRP-JointTracking-v0": Gauge(
-        {"joint_rmse": _JOINTS}, "the task asks for small joint errors at all times", {}
-    ),
-    "PRP-Adaptive-v0": Gauge({"joint_rmse": (1.0,)}, "the task asks for a small error at all times", {}),
+    "PRP-JointTracking-v0": Gauge({"joint_rmse": _JOINTS}, _TRACKING_REASON, {}),
+    "PRP-Adaptive-v0": Gauge({"joint_rmse": (1.0,)}, _TRACKING_REASON, {}),
     "PRP-PoseRegulation-v0": Gauge(
         {"position_settling_time": (1.0,)}, _SETTLING_REASON, {"position_steady_state_error": _CENTIMETRE}
     ),
     "PRP-PoseTracking-v0": Gauge(
         {"position_rmse": _CENTIMETRE, "orientation_rmse": _ANGLES},
-        "the task asks for small errors of position and angles at all times",
+        _TRACKING_REASON,
         {},
     ),
     "PRP-Compliance-v0": Gauge(_MODEL, _MODEL_REASON, {}),

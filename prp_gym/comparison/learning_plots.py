@@ -7,11 +7,12 @@ import numpy as np
 
 from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, new_figure, to_png
 from prp_gym.comparison.statistics import best_of, score_of
-from prp_gym.comparison.table import fold, short_id
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, Entry, History, Place
+from prp_gym.comparison.table import short_id
+from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, LAW, Entry, History, Place
 from prp_gym.robot.arrays import Array
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
 _COLUMNS = 3
@@ -43,20 +44,25 @@ def draw_learning(places: Sequence[Place]) -> bytes:
     tuning.
     """
     panels = _panels(places)
-    rows = -(-max(len(panels), 1) // _COLUMNS)
-    columns = min(_COLUMNS, max(len(panels), 1))
-    figure = new_figure(5.2 * columns, 4.3 * rows)
+    columns = min(_COLUMNS, len(panels))
+    rows = -(-len(panels) // _COLUMNS)
+    figure = new_figure(max(5.2 * columns, 8.0), 4.0 * rows + 0.8)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     goals = {
         (place.environment_id, place.scenario): score_of(best_of(place.of_kind(*CLASSICAL)))
         for place in places
         if place.of_kind(*CLASSICAL)
     }
+    agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
+    names = enumerate(dict.fromkeys(agents))
+    colors = {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in names}
+    lines: dict[str, Artist] = {}
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
     for axes, (key, entries) in zip(grid, panels.items(), strict=False):
-        _draw_panel(axes, entries, [goals[key]] if key in goals else [])
+        lines |= _draw_panel(axes, entries, colors, [goals[key]] if key in goals else [])
         axes.set(title=f"{short_id(key[0])}, {key[1]}", xlabel="simulated time [s]", ylabel="score")
+    figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3, frameon=False)
     return to_png(figure)
 
 
@@ -73,34 +79,25 @@ def _panels(places: Sequence[Place]) -> Mapping[tuple[str, str], list[Entry]]:
     return panels
 
 
-def _draw_panel(axes: "Axes", entries: Sequence[Entry], goals: Sequence[float]) -> None:
-    agents = [entry for entry in entries if entry.kind == AGENT]
-    for index, entry in enumerate(agents):
+def _draw_panel(
+    axes: "Axes", entries: Sequence[Entry], colors: Mapping[str, str], goals: Sequence[float]
+) -> dict[str, "Artist"]:
+    """Draw one panel; its lines by label."""
+    lines: dict[str, Artist] = {}
+    for entry in (entry for entry in entries if entry.kind == AGENT):
         time, scores = common_curve(entry.histories)
-        color = MODE_COLORS[index % len(MODE_COLORS)]
-        axes.plot(time, np.median(scores, axis=0), color=color, linewidth=1.8, label=_label(entry))
+        color = colors[entry.policy]
+        (lines[entry.policy],) = axes.plot(time, np.median(scores, axis=0), color=color, linewidth=1.8)
         axes.fill_between(time, scores.min(axis=0), scores.max(axis=0), color=color, alpha=0.18, linewidth=0)
     for index, entry in enumerate(entry for entry in entries if entry.kind == BUDGET):
-        history = entry.histories[0]
-        style = _DASHES[index % len(_DASHES)]
-        axes.step(
-            history.simulated_seconds,
-            history.score,
-            where="post",
-            color=COLORS[BUDGET],
-            linestyle=style,
-            label=fold(entry.policy),
-        )
+        history, style = entry.histories[0], _DASHES[index % len(_DASHES)]
+        time, label = history.simulated_seconds, "laws, tuned with a budget"
+        (line,) = axes.step(time, history.score, style, where="post", color=COLORS[BUDGET])
+        lines.setdefault(label, line)
     for goal in goals:
-        axes.axhline(
-            goal, color=COLORS[CLASSICAL[0]], linestyle="-.", linewidth=1.3, label=f"best law {goal:.3f}"
-        )
+        lines["best law"] = axes.axhline(goal, color=COLORS[LAW], linestyle="-.", linewidth=1.3)
+        axes.annotate(f"{goal:.3f}", (0.01, goal), xycoords=("axes fraction", "data"), va="top", fontsize=8)
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.02)
     axes.grid(True, color=GRID, linewidth=0.6)
-    axes.legend(loc="lower right", fontsize=7, framealpha=0.8)
-
-
-def _label(entry: Entry) -> str:
-    count = len(entry.histories)
-    return fold(f"{entry.policy} ({count} {'seed' if count == 1 else 'seeds'})", 34)
+    return lines

@@ -4,8 +4,15 @@ import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from prp_gym.comparison.statistics import BEST_AGENT, BEST_BUDGET_LAW, BEST_LAW, Aggregate, best_of
-from prp_gym.comparison.statistics import estimate_score, score_of
+from prp_gym.comparison.statistics import (
+    BEST_AGENT,
+    BEST_BUDGET_LAW,
+    BEST_LAW,
+    Aggregate,
+    best_of,
+    estimate_score,
+    score_of,
+)
 from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, BUDGET, LAW, ZERO, Place
 
@@ -138,9 +145,19 @@ def draw_compute(places: Sequence[Place]) -> bytes:
             times = [_MICROSECONDS * entry.compute_time for entry in entries]
             scores = [score_of(entry) for entry in entries]
             axes.plot(times, scores, _MARKERS[kind], color=COLORS[kind], markersize=5, alpha=0.65)
-        axes.set_xscale("log")
+        _label_decades(axes)
         axes.set(title=f"scenario {scenario}", xlabel="compute time of an action [µs]", ylim=(0.0, 1.02))
         axes.grid(True, which="both", color=GRID, linewidth=0.5)
     panels[0].set_ylabel("score, a point a policy and task")
     _legend(figure, kinds)
     return to_png(figure)
+
+
+def _label_decades(axes: "Axes") -> None:
+    """A logarithmic axis of plain numbers at 1, 2 and 5."""
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.xaxis.set_minor_formatter(NullFormatter())

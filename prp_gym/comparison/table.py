@@ -17,6 +17,7 @@ from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
 _WIDEST_NAME = 28  # with it the widest table of an evaluation holds in 120 columns
+_DUELLIST = 41  # as wide as an agent that corrects the law with the longest name
 _SEPARATORS = " _-"
 _THOUSAND, _MILLION = 1e3, 1e6
 
@@ -45,7 +46,8 @@ def place_table(place: Place, seed: int) -> Table:
         seed: of the bootstrap.
     """
     title = f"{place.environment_id}, scenario {place.scenario}"
-    return evaluation_table(title, [_row(entry, len(place.seeds), seed) for entry in place.entries], "policy")
+    rows = [_row(entry, len(place.seeds), seed) for entry in place.entries]
+    return evaluation_table(title, rows, "policy", "µs")
 
 
 def _row(entry: Entry, episodes: int, seed: int) -> Row:
@@ -61,21 +63,19 @@ def _median(values: Array) -> Array:
 
 
 def duel_table(duels: Iterable[Duel]) -> Table:
-    """The best law against the best agent at every place."""
-    table = _make("best law against best agent", ("environment", "best law", "best agent"))
-    _add(
-        table, "score of\nthe law", "score of\nthe agent", "difference and\n95 % interval", "P(agent\nbetter)"
-    )
+    """The best law against the best agent at every place, a line each."""
+    table = _make("best law against best agent", ("environment", "best law, best agent"))
+    _add(table, "score", "95 %\ninterval", "differ-\nence", "95 %\ninterval", "P(agent\nbetter)")
     _add(table, "apart", "better")
     for duel in duels:
-        difference = duel.difference
+        difference, law, agent = duel.difference, duel.law_score, duel.agent_score
+        table.add_row(short_id(duel.environment_id), fold(duel.law, _DUELLIST), *_score(law))
         table.add_row(
-            f"{short_id(duel.environment_id)}\n  {duel.scenario}",
-            fold(duel.law, 24),
-            fold(duel.agent, 24),
-            _scores(duel.law_score),
-            _scores(duel.agent_score),
-            f"{difference.value:+.3f}\n{difference.low:+.3f} to {difference.high:+.3f}",
+            f"  {duel.scenario}",
+            fold(duel.agent, _DUELLIST),
+            *_score(agent),
+            f"{difference.value:+.3f}",
+            f"{difference.low:+.3f} {difference.high:+.3f}",
             f"{duel.probability:.2f}",
             "yes" if duel.apart else "no",
             duel.verdict,
@@ -106,12 +106,9 @@ def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
     table = _make("all tasks together", ("scenario", "family"))
     _add(table, "tasks", "score", "95 %\ninterval", "best law on\nthese tasks")
     for item in aggregates:
-        score = item.score
-        interval = f"{score.low:.3f}-{score.high:.3f}"
         reference = _ABSENT if math.isnan(item.reference.value) else f"{item.reference.value:.3f}"
-        table.add_row(
-            item.scenario, fold(item.family, 45), str(item.tasks), f"{score.value:.3f}", interval, reference
-        )
+        family = fold(item.family, 50)
+        table.add_row(item.scenario, family, str(item.tasks), *_score(item.score), reference)
     return table
 
 
@@ -124,7 +121,7 @@ def audit_table(audits: Iterable[Audit]) -> Table:
         table.add_row(
             short_id(item.environment_id),
             item.scenario,
-            fold(item.measure, 50),
+            fold(item.measure, 56),
             str(len(item.policies)),
             correlation,
             "!" if item.flagged else "",
@@ -139,8 +136,8 @@ def effort_table(efforts: Sequence[Effort]) -> Table:
     _add(table, "budget\ns", "viola-\ntions")
     for item in efforts:
         table.add_row(
-            f"{short_id(item.environment_id)}\n  {item.scenario}",
-            fold(item.policy),
+            f"{short_id(item.environment_id)}, {item.scenario}",
+            fold(item.policy, 26),
             f"{item.goal:.3f}",
             f"{item.best:.3f}",
             f"{item.reached} of {item.members}",
@@ -162,11 +159,11 @@ def _make(title: str, headers: Iterable[str]) -> Table:
 
 def _add(table: Table, *headers: str) -> None:
     for header in headers:
-        table.add_column(header, justify="right", no_wrap=True)
+        table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
 
 
-def _scores(estimate: Estimate) -> str:
-    return f"{estimate.value:.3f}\n{estimate.low:.3f}-{estimate.high:.3f}"
+def _score(estimate: Estimate) -> tuple[str, str]:
+    return f"{estimate.value:.3f}", f"{estimate.low:.3f}-{estimate.high:.3f}"
 
 
 def _count(value: float) -> str:
