@@ -17,7 +17,7 @@ from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
 _WIDEST_NAME = 28  # with it the widest table of an evaluation holds in 120 columns
-_DUELLIST = 41  # as wide as an agent that corrects the law with the longest name
+_DUELLIST = 37  # as wide as the law with the longest name, tuned with a budget
 _SEPARATORS = " _-"
 _THOUSAND, _MILLION = 1e3, 1e6
 
@@ -136,7 +136,7 @@ def effort_table(efforts: Sequence[Effort]) -> Table:
     _add(table, "budget\ns", "viola-\ntions")
     for item in efforts:
         table.add_row(
-            f"{short_id(item.environment_id)}, {item.scenario}",
+            fold(f"{short_id(item.environment_id)}, {item.scenario}", 18),
             fold(item.policy, 26),
             f"{item.goal:.3f}",
             f"{item.best:.3f}",
