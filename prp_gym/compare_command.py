@@ -168,7 +168,7 @@ def _show(outcome: Outcome, output: Path, busy: bool) -> None:
         console.print(duel_table(outcome.duels))
         notes.append(
             "better: whose score is higher by a paired difference whose interval leaves out 0; apart: "
-            "whether the intervals of the two scores do not overlap. The best are chosen on the same episodes."
+            "whether the intervals of the two scores do not overlap. The best are chosen on these episodes."
         )
     console.print(aggregate_table(outcome.aggregates))
     if outcome.efforts:

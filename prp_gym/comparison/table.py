@@ -17,7 +17,6 @@ from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
 _WIDEST_NAME = 28  # with it the widest table of an evaluation holds in 120 columns
-_DUELLIST = 37  # as wide as the law with the longest name, tuned with a budget
 _SEPARATORS = " _-"
 _THOUSAND, _MILLION = 1e3, 1e6
 
@@ -32,9 +31,9 @@ def fold(name: str, width: int = _WIDEST_NAME) -> str:
     lines = []
     while len(name) > width:
         breaks = [index + 1 for index in range(width) if name[index] in _SEPARATORS]
-        end = breaks[-1] if breaks else width
+        end = width if name[width] == " " or not breaks else breaks[-1]
         lines.append(name[:end].rstrip())
-        name = name[end:]
+        name = name[end:].lstrip()
     return "\n".join([*lines, name])
 
 
@@ -69,10 +68,10 @@ def duel_table(duels: Iterable[Duel]) -> Table:
     _add(table, "apart", "better")
     for duel in duels:
         difference, law, agent = duel.difference, duel.law_score, duel.agent_score
-        table.add_row(short_id(duel.environment_id), fold(duel.law, _DUELLIST), *_score(law))
+        table.add_row(short_id(duel.environment_id), fold(duel.law), *_score(law))
         table.add_row(
             f"  {duel.scenario}",
-            fold(duel.agent, _DUELLIST),
+            fold(duel.agent),
             *_score(agent),
             f"{difference.value:+.3f}",
             f"{difference.low:+.3f} {difference.high:+.3f}",
