@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import dataclass
@@ -200,8 +201,9 @@ class AgentPair:
 
     @property
     def name(self) -> str:
-        """See `Playable.name`; told from laws, and from agents of other files, by the digest."""
-        return f"{self.environment_id}_{self.scenario}_{AGENT}_{self.agent.sha256[:24]}"
+        """See `Playable.name`; agents of one group are told apart by the digest."""
+        group = re.sub(r"[^\w-]+", "-", self.agent.group)
+        return f"{self.environment_id}_{self.scenario}_{AGENT}_{group}_{self.agent.sha256[:16]}"
 
     def play(self) -> Record:
         """See `Playable.play`.

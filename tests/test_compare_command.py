@@ -204,3 +204,12 @@ def test_tuned_law_in_the_file_of_another_is_refused(tmp_path: Path) -> None:
     path.rename(path.with_name(f"{ID}_joint_inverse_dynamics.json"))
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
     assert "joint_pd on PRP-JointTracking-v0" in str(result.exception)
+
+
+def test_agents_of_two_groups_are_kept_apart_even_if_their_files_are_alike(tmp_path: Path) -> None:
+    stems = [save(tmp_path / name / f"{name}_seed_5", seed=5) for name in ("one", "two (2)")]
+    agents = compared_agents.find_agents([ID], stems)[2:]
+    pairs = [compared_pairs.AgentPair(agent, "randomized", 1, 0) for agent in agents]
+    assert agents[0].sha256 == agents[1].sha256
+    assert len({pair.name for pair in pairs}) == 2
+    assert not any(set(pair.name) & set(" ()/") for pair in pairs)
