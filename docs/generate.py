@@ -257,9 +257,9 @@ def _physical_errors() -> str:
         rows.append((f"`{environment_id}`", gauge.name, units, gauge.reason))
     text = (
         "`prp-gym compare` tells the rank correlation between score and smallness of a physical error, over"
-        f" all policies of a task and scenario, and flags it below {LEAST_CORRELATION:g}. The error is the norm"
-        " of these metrics, each in units of what counts the same (SI units), and its median over the episodes;"
-        " after a divergence it is infinite.\n\n"
+        f" all policies of a task and scenario, and flags it below {LEAST_CORRELATION:g}. The error is the"
+        " norm of these metrics, each in units of what counts the same (SI units), and its median over the"
+        " episodes; after a divergence it is infinite.\n\n"
     )
     return text + table(("environment", "error", "in units of", "why"), rows)
 
