@@ -79,7 +79,7 @@ def test_duel_is_two_lines(outcome: Outcome) -> None:
     (law,) = (line.split() for line in lines if "(budget)" in line)
     (agent,) = (line.split() for line in lines if " -0.250" in line)
     assert law[:3] == ["JointRegulation", "(budget)", "0.750"]
-    assert (agent[-7], agent[-5]) == ("0.500", "-0.250")
+    assert (agent[-8], agent[-6]) == ("0.500", "-0.250")
     assert agent[-3:] == ["0.00", "yes", "law"]
 
 
