@@ -16,6 +16,7 @@ import typer
 
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.cli import app
+from prp_gym.comparison.audit import GAUGES, LEAST_CORRELATION
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
 from prp_gym.envs.data import load_scenario
 from prp_gym.evaluation.metric import Metric
@@ -243,7 +244,24 @@ def metrics_page() -> str:
     parts = [NOTE, "# Metrics\n", text]
     for heading, metrics in GROUPS.items():
         parts += [f"## {heading}\n", table(_METRIC_HEADERS, map(_metric, metrics))]
+    parts += ["## Physical errors\n", _physical_errors()]
     return "\n".join(parts)
+
+
+def _physical_errors() -> str:
+    """Against which errors `prp-gym compare` checks the rewards, and why these."""
+    rows = []
+    for environment_id, gauge in GAUGES.items():
+        parts = [*gauge.parts.items(), *gauge.ties.items()]
+        units = "; ".join(", ".join(f"{value:g}" for value in scale) for _, scale in parts)
+        rows.append((f"`{environment_id}`", gauge.name, units, gauge.reason))
+    text = (
+        "`prp-gym compare` tells the rank correlation between score and smallness of a physical error, over"
+        f" all policies of a task and scenario, and flags it below {LEAST_CORRELATION:g}. The error is the"
+        " norm of these metrics, each in units of what counts the same (SI units), and its median over the"
+        " episodes; after a divergence it is infinite.\n\n"
+    )
+    return text + table(("environment", "error", "in units of", "why"), rows)
 
 
 _METRIC_HEADERS = ("metric", "unit", "definition", "known as", "better", "requires")

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from prp_gym.compare_command import compare_command
 from prp_gym.errors import PRPError
 from prp_gym.evaluate_command import evaluate_command
 from prp_gym.export_command import export_command
@@ -41,6 +42,7 @@ def common(
     """Gymnasium environments and classical baselines for the PRP arm."""
 
 
+app.command("compare")(compare_command)
 app.command("evaluate")(evaluate_command)
 app.command("export")(export_command)
 app.command("list")(list_command)

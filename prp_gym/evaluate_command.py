@@ -4,7 +4,6 @@ import itertools
 import shlex
 import sys
 from collections.abc import Iterator
-from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -18,11 +17,12 @@ from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.finished_pairs import FinishedPairs
-from prp_gym.pairs import Pair, Record, list_pairs, play_pair
+from prp_gym.pairs import Pair, Record, list_pairs
 from prp_gym.parallel import Workers
+from prp_gym.play_pairs import check_names, play_pairs
 from prp_gym.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
-from prp_gym.terminal import TABLE_WIDTH, make_console, make_matrix, make_progress
+from prp_gym.terminal import TABLE_WIDTH, make_console, make_matrix
 
 _DEFAULT_SCENARIOS = ("report", "randomized")
 
@@ -57,9 +57,9 @@ def evaluate_command(
     A run that was interrupted goes on where it stopped when the same command is given again.
     """
     workers = Workers(jobs, backend)
-    ids = _check_names("environment", env or [], list_envs())
-    laws = _check_names("baseline", baseline or [], _laws_with(gains))
-    scenarios = _check_names("scenario", scenario or list(_DEFAULT_SCENARIOS), list(SCENARIOS))
+    ids = check_names("environment", env or [], list_envs())
+    laws = check_names("baseline", baseline or [], _laws_with(gains))
+    scenarios = check_names("scenario", scenario or list(_DEFAULT_SCENARIOS), list(SCENARIOS))
     check_protocol(episodes, seed)
     pairs = list_pairs(itertools.product(ids, scenarios), laws, gains, control_frequency, episodes, seed)
     _check_used(baseline or [], pairs)
@@ -68,7 +68,7 @@ def evaluate_command(
         prepare_folder(folder)
     if fresh:
         finished.remove(pairs)
-    records = _evaluate(pairs, workers, finished)
+    records = play_pairs(pairs, workers, finished, "evaluating")
     target = output / "results.json"
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     write_json(target, {**describe_run(command), "evaluations": records})
@@ -84,13 +84,6 @@ def _laws_with(gains: str) -> list[str]:
     return laws
 
 
-def _check_names(kind: str, names: list[str], valid: list[str]) -> list[str]:
-    for name in names:
-        if name not in valid:
-            raise UnknownNameError(kind, name, valid)
-    return list(dict.fromkeys(names)) or valid
-
-
 def _check_used(laws: list[str], pairs: list[Pair]) -> None:
     """Refuse a law that was asked for by name and runs on none of the environments."""
     used = {pair.law for pair in pairs}
@@ -99,28 +92,6 @@ def _check_used(laws: list[str], pairs: list[Pair]) -> None:
             raise InvalidValueError(
                 "baseline", law, f"a law that runs on the chosen environments: {sorted(used)}"
             )
-
-
-def _evaluate(pairs: list[Pair], workers: Workers, finished: FinishedPairs) -> list[Record]:
-    """The records of all pairs in their order; those that are not there yet are played and kept."""
-    records, refused = finished.find(pairs)
-    if records or refused:
-        note = f"{len(records)} of {len(pairs)} pairs were finished by an interrupted run and are reused."
-        if refused:
-            note += f" Not reused, as damaged or of other settings or code: {len(refused)}."
-        make_console(stderr=True).print(note, highlight=False)
-    # the long ones first, so that no worker is left alone with one in the end
-    missing = sorted((pair for pair in pairs if pair not in records), key=lambda pair: -pair.episodes)
-    with make_progress() as progress:
-        total = sum(pair.episodes for pair in pairs)
-        bar = progress.add_task("evaluating", total=total, completed=sum(pair.episodes for pair in records))
-        with closing(workers.run(play_pair, missing)) as played:
-            for index, result in played:
-                result.check_code()
-                finished.keep(missing[index], result.record)
-                records[missing[index]] = result.record
-                progress.advance(bar, missing[index].episodes)
-    return [records[pair] for pair in pairs]
 
 
 def _show(records: list[Record], target: Path, busy: bool) -> None:

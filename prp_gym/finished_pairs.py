@@ -7,10 +7,12 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from prp_gym.evaluation.results import to_plain, write_json
-from prp_gym.pairs import Pair, Record, running_code
+from prp_gym.pairs import Playable, Record, running_code
+
+PairT = TypeVar("PairT", bound=Playable)
 
 
 class FinishedPairs:
@@ -26,7 +28,7 @@ class FinishedPairs:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def find(self, pairs: Iterable[Pair]) -> tuple[dict[Pair, Record], list[Path]]:
+    def find(self, pairs: Iterable[PairT]) -> tuple[dict[PairT, Record], list[Path]]:
         """Records that can be reused, and the files that cannot: of other settings or code, or damaged."""
         records, refused = {}, []
         for pair in pairs:
@@ -42,7 +44,7 @@ class FinishedPairs:
                 refused.append(path)
         return records, refused
 
-    def keep(self, pair: Pair, record: Record) -> None:
+    def keep(self, pair: Playable, record: Record) -> None:
         """Write a pair's file, whole or not at all.
 
         Raises:
@@ -50,7 +52,7 @@ class FinishedPairs:
         """
         write_json(self._path(pair), _content(pair, record))
 
-    def remove(self, pairs: Sequence[Pair]) -> None:
+    def remove(self, pairs: Sequence[Playable]) -> None:
         """Remove the files of some pairs, and the folder if nothing else is in it."""
         for pair in pairs:
             path = self._path(pair)
@@ -61,11 +63,11 @@ class FinishedPairs:
         with suppress(OSError):  # not empty, or not there
             self._folder.rmdir()
 
-    def _path(self, pair: Pair) -> Path:
+    def _path(self, pair: Playable) -> Path:
         return self._folder / f"{pair.name}.json"
 
 
-def _content(pair: Pair, record: Record) -> dict[str, Any]:
+def _content(pair: Playable, record: Record) -> dict[str, Any]:
     """What the file of a pair with this record holds."""
     key = {"pair": asdict(pair), "code": running_code()}
     text = json.dumps(record, sort_keys=True)

@@ -1,17 +1,18 @@
-"""What is evaluated: a law on an environment in a scenario, played in whichever process."""
+"""What is evaluated: a policy on an environment in a scenario, played in whichever process."""
 
 import hashlib
 import platform
 from collections.abc import Iterable, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import Field, dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
 import gymnasium
 
 import prp_gym
+import prp_gym.agents
 import prp_gym.baselines
 import prp_gym.envs
 from prp_gym.baselines import list_baselines, make_baseline
@@ -19,11 +20,36 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import episodes_to_play, evaluate
 from prp_gym.evaluation.results import describe_evaluation, list_versions, to_plain
 
-_SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines)
+_SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines, prp_gym.agents)
 _SUFFIXES = (".py", ".toml")
 
 Record = dict[str, Any]
 """An evaluation as the results file holds it."""
+
+
+class Playable(Protocol):
+    """A policy on an environment: a frozen dataclass of plain values, all that its record depends on."""
+
+    __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
+
+    @property
+    def environment_id(self) -> str:
+        """For `gymnasium.make`."""
+
+    @property
+    def scenario(self) -> str:
+        """Of the environment."""
+
+    @property
+    def episodes(self) -> int:
+        """That are played."""
+
+    @property
+    def name(self) -> str:
+        """Unlike that of every other pair of the same evaluation, and fit for a file."""
+
+    def play(self) -> Record:
+        """Evaluate the policy on the environment."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +78,15 @@ class Pair:
     def name(self) -> str:
         """Unlike that of every other pair of the same evaluation."""
         return f"{self.environment_id}_{self.scenario}_{self.law}"
+
+    def play(self) -> Record:
+        """The law with its gain set, on the environment."""
+        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
+            policy = make_baseline(self.law, env, self.gains)
+            evaluation = evaluate(policy, env, self.episodes, self.seed)
+            settings = {"gains": self.gains, **vars(policy.settings)}
+            record: Record = to_plain(describe_evaluation(evaluation, self.law, settings))
+        return record
 
 
 @dataclass(frozen=True)
@@ -83,14 +118,9 @@ class Played:
             )
 
 
-def play_pair(pair: Pair) -> Played:
+def play_pair(pair: Playable) -> Played:
     """Evaluate a pair; its record is the same wherever the same code plays it, but for the compute time."""
-    with closing(_environment(pair.environment_id, pair.scenario, pair.control_frequency)) as env:
-        policy = make_baseline(pair.law, env, pair.gains)
-        evaluation = evaluate(policy, env, pair.episodes, pair.seed)
-        settings = {"gains": pair.gains, **vars(policy.settings)}
-        record: Record = to_plain(describe_evaluation(evaluation, pair.law, settings))
-    return Played(record, running_code(), platform.node())
+    return Played(pair.play(), running_code(), platform.node())
 
 
 def running_code() -> dict[str, str]:
@@ -136,7 +166,7 @@ def list_pairs(
     """
     pairs = []
     for environment_id, scenario in places:
-        with closing(_environment(environment_id, scenario, control_frequency)) as env:
+        with closing(make_environment(environment_id, scenario, control_frequency)) as env:
             eligible = list_baselines(env.get_wrapper_attr("observation_layout"))
             count = episodes_to_play(env, episodes)
             for law in (name for name in laws if name in eligible):
@@ -145,5 +175,6 @@ def list_pairs(
     return pairs
 
 
-def _environment(environment_id: str, scenario: str, control_frequency: float) -> gymnasium.Env[Any, Any]:
+def make_environment(environment_id: str, scenario: str, control_frequency: float) -> gymnasium.Env[Any, Any]:
+    """An environment whose actions are torques."""
     return gymnasium.make(environment_id, scenario=scenario, control_frequency=control_frequency)

@@ -23,6 +23,9 @@ PARTS = ("prp_gym.envs", "prp_gym.baselines", "prp_gym.agents")
 APPLICATIONS = {
     "prp_gym",
     "prp_gym.cli",
+    "prp_gym.compare_command",
+    "prp_gym.compared_agents",
+    "prp_gym.compared_pairs",
     "prp_gym.evaluate_command",
     "prp_gym.export_command",
     "prp_gym.finished_pairs",
@@ -30,6 +33,7 @@ APPLICATIONS = {
     "prp_gym.pairs",
     "prp_gym.tune_command",
     "prp_gym.train_command",
+    "prp_gym.play_pairs",
 }
 """The facade and the command line see everything but agents' tools."""
 
@@ -50,6 +54,10 @@ BARE_NAMES = {name for name in PACKAGES if name != "prp_gym"}
 THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
     "prp_gym.cli": {"typer"},
+    "prp_gym.compare_command": {"typer"},
+    "prp_gym.comparison.learning_plots": {"matplotlib"},
+    "prp_gym.comparison.plots": {"matplotlib"},
+    "prp_gym.comparison.table": {"rich"},
     "prp_gym.evaluate_command": {"rich", "typer"},
     "prp_gym.export_command": {"typer"},
     "prp_gym.listing": {"rich", "typer"},

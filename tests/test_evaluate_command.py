@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from prp_gym import evaluate_command, pairs
+from prp_gym import pairs, play_pairs
 from prp_gym.cli import app
 from prp_gym.errors import EpisodeError, InvalidValueError
 from prp_gym.finished_pairs import FinishedPairs
@@ -168,7 +168,7 @@ def test_what_was_finished_before_a_failure_is_kept(
         return play_pair(pair)
 
     with monkeypatch.context() as patch:
-        patch.setattr(evaluate_command, "play_pair", play)
+        patch.setattr(play_pairs, "play_pair", play)
         result = RUNNER.invoke(app, ["evaluate", "--jobs", "1", "--output", str(tmp_path), *OPTIONS])
     assert result.exit_code != 0
     assert {path.stem for path in (tmp_path / "pairs").iterdir()} == {pair.name for pair in played}

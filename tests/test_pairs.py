@@ -120,4 +120,4 @@ def test_digest_changes_with_a_files_name_and_not_with_other_files(package: Path
 
 def test_digest_is_over_every_part_that_a_result_depends_on() -> None:
     folders = {Path(source.__file__ or "").resolve().parent for source in pairs._SOURCES}
-    assert {folder.name for folder in folders} == {"prp_gym", "envs", "baselines"}
+    assert {folder.name for folder in folders} == {"prp_gym", "envs", "baselines", "agents"}

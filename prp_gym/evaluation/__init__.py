@@ -2,7 +2,12 @@
 
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.evaluate import Evaluation, evaluate
-from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_nested
+from prp_gym.evaluation.hierarchy import (
+    bootstrap_crossed,
+    bootstrap_difference,
+    bootstrap_nested,
+    bootstrap_tasks,
+)
 from prp_gym.evaluation.improvement import paired_probability_of_improvement, probability_of_improvement
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import METRICS, episode_metrics
@@ -22,6 +27,7 @@ __all__ = [
     "bootstrap_difference",
     "bootstrap_interquartile_mean",
     "bootstrap_nested",
+    "bootstrap_tasks",
     "episode_metrics",
     "evaluate",
     "interquartile_mean",

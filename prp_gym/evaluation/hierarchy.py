@@ -10,10 +10,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from prp_gym.errors import ShapeError
+from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.evaluation.resampling import (
     RESAMPLES,
     Indices,
+    Runs,
     check_bootstrap,
     check_scores,
     cut_tails,
@@ -119,6 +120,46 @@ def bootstrap_difference(
         columns = _draw(size, ours.shape[1], rng)
         drawn.append(_draw_crossed(ours, columns, rng) - _draw_crossed(theirs, columns, rng))
     return _estimate(float(_pool(ours) - _pool(theirs)), np.concatenate(drawn), confidence)
+
+
+def bootstrap_tasks(
+    scores: Runs, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+) -> Estimate:
+    """Interquartile mean over tasks of the interquartile mean on each, with an interval.
+
+    Each task weighs the same, whatever its number of scores. A resample draws training seeds and evaluation
+    seeds of each task as `bootstrap_crossed` does, and keeps the tasks.
+
+    Args:
+        scores: (training seeds, evaluation seeds) [1] for each task.
+        rng: for the resampling.
+        confidence: of the interval, between 0 and 1.
+        resamples: of the bootstrap.
+
+    Returns:
+        the estimate [1].
+
+    Raises:
+        InvalidValueError: no tasks or scores, no resamples, or a confidence outside (0, 1).
+        ShapeError: scores of other than two axes.
+        NonFiniteError: NaN or infinity among the scores.
+
+    Source: Agarwal 2021, Owen 2007.
+    """
+    check_bootstrap(confidence, resamples)
+    if not scores:
+        raise InvalidValueError("number of tasks", 0, "at least 1")
+    values, drawn = [], []
+    for task in sorted(scores):
+        checked = check_scores(scores[task], f"scores of task {task!r}", _AXES)
+        parts = [
+            _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng)
+            for size in split_resamples(resamples, checked.size)
+        ]
+        values.append(_pool(checked))
+        drawn.append(np.concatenate(parts))
+    together = interquartile_mean(np.stack(drawn, axis=-1))
+    return _estimate(float(interquartile_mean(np.array(values))), together, confidence)
 
 
 def _bootstrap(

@@ -111,12 +111,14 @@ COLUMNS = (
 """In the order of the table; together with law, score and time they hold in 120 columns for every task."""
 
 
-def evaluation_table(title: str, rows: Sequence[Row]) -> Table:
+def evaluation_table(title: str, rows: Sequence[Row], who: str = "law", timed: str = "law\nµs") -> Table:
     """Scores and medians over the episodes, best score first.
 
     Args:
         title: what was evaluated.
         rows: of one environment and scenario.
+        who: what the rows are, above their names.
+        timed: above their compute times.
 
     Returns:
         a table for a terminal of 120 columns, with those of `COLUMNS` that the environment has. Vectors
@@ -124,8 +126,8 @@ def evaluation_table(title: str, rows: Sequence[Row]) -> Table:
     """
     columns = [column for column in COLUMNS if column.belongs(rows)]
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column("law", no_wrap=True, vertical="bottom")
-    for header in ("score", "95 %\ninterval", *(column.header(rows) for column in columns), "law\nµs"):
+    table.add_column(who, no_wrap=True, vertical="bottom")
+    for header in ("score", "95 %\ninterval", *(column.header(rows) for column in columns), timed):
         table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
     for row in sorted(rows, key=lambda row: -row.score.value):
         cells = [column.cell(row) for column in columns]

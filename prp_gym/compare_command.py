@@ -1,0 +1,194 @@
+"""The command `prp-gym compare`."""
+
+import itertools
+import shlex
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from prp_gym.baselines import BASELINES
+from prp_gym.compared_agents import AgentFile, find_agents
+from prp_gym.compared_pairs import AgentPair, BudgetPair, ComparedPair, LawPair, ZeroPair, find_budget_law
+from prp_gym.comparison.audit import GAUGES
+from prp_gym.comparison.learning_plots import draw_learning
+from prp_gym.comparison.outcome import Outcome
+from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
+from prp_gym.comparison.table import (
+    aggregate_table,
+    audit_table,
+    duel_table,
+    effort_table,
+    place_table,
+    spread_table,
+)
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play
+from prp_gym.evaluation.results import describe_run, prepare_folder, write_file, write_json
+from prp_gym.finished_pairs import FinishedPairs
+from prp_gym.pairs import list_pairs, make_environment
+from prp_gym.parallel import Workers
+from prp_gym.play_pairs import check_names, play_pairs
+from prp_gym.registration import list_envs
+from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.terminal import TABLE_WIDTH, make_console
+
+_DEFAULT_SCENARIOS = ("randomized", "realistic")
+_GAINS = "tuned"
+_FREQUENCY = 500.0  # Hz, of the laws
+
+
+def compare_command(
+    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")] = None,
+    baseline: Annotated[list[str] | None, typer.Option(help="Law; repeatable. Default: all.")] = None,
+    agent: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="An agent beside those that come with the package: its file, or a folder with one of every "
+            "training seed; repeatable."
+        ),
+    ] = None,
+    scenario: Annotated[
+        list[str] | None, typer.Option(help="Scenario; repeatable. Default: randomized and realistic.")
+    ] = None,
+    episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 50,
+    seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    output: Annotated[Path, typer.Option(help="Folder for results.json and pictures.")] = Path("comparison"),
+    jobs: Annotated[
+        int,
+        typer.Option(
+            help="Pairs at once; 1: in this process, 0: as many as there are cores. "
+            "Compute times are those of a busy machine unless 1."
+        ),
+    ] = 0,
+    backend: Annotated[
+        str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
+    ] = "loky",
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Play also what an interrupted run has finished.")
+    ] = False,
+) -> None:
+    """Compare classical laws and learned agents on the same episodes.
+
+    Laws have their tuned gains and set torques at 500 Hz; agents act in the mode and at the rate of their
+    training. A run that was interrupted goes on where it stopped when the same command is given again.
+    """
+    workers = Workers(jobs, backend)
+    ids = check_names("environment", env or [], list_envs())
+    laws = check_names("baseline", baseline or [], list(BASELINES))
+    scenarios = check_names("scenario", scenario or list(_DEFAULT_SCENARIOS), list(SCENARIOS))
+    check_protocol(episodes, seed)
+    agents = find_agents(ids, agent or [])
+    pairs = list_compared(list(itertools.product(ids, scenarios)), laws, agents, episodes, seed)
+    _check_used(baseline or [], pairs)
+    finished = FinishedPairs(output / "pairs")
+    for folder in (output, output / "pairs"):
+        prepare_folder(folder)
+    if fresh:
+        finished.remove(pairs)
+    records = play_pairs(pairs, workers, finished, "comparing")
+    outcome = Outcome.of(records, seed)
+    _write(outcome, records, output)
+    finished.remove(pairs)
+    _show(outcome, output, busy=jobs != 1)
+
+
+def _check_used(laws: Sequence[str], pairs: Sequence[ComparedPair]) -> None:
+    """Refuse a law that was asked for by name and runs on none of the environments."""
+    used = {pair.law for pair in pairs if isinstance(pair, LawPair)}
+    for law in laws:
+        if law not in used:
+            allowed = f"a law that runs on the chosen environments: {sorted(used)}"
+            raise InvalidValueError("baseline", law, allowed)
+
+
+def list_compared(
+    places: Sequence[tuple[str, str]],
+    laws: Sequence[str],
+    agents: Sequence[AgentFile],
+    episodes: int,
+    seed: int,
+) -> list[ComparedPair]:
+    """All that is to be played: at each place the laws, those tuned with a budget, the agents, the control.
+
+    Args:
+        places: environment ids and scenarios.
+        laws: baselines.
+        agents: of all environments.
+        episodes: of each pair, where they are not all the same.
+        seed: of the first episode.
+    """
+    pairs: list[ComparedPair] = []
+    for environment_id, scenario in places:
+        own = list_pairs([(environment_id, scenario)], laws, _GAINS, _FREQUENCY, episodes, seed)
+        pairs += [LawPair(**vars(pair)) for pair in own]
+        with closing(make_environment(environment_id, scenario, _FREQUENCY)) as made:
+            count = episodes_to_play(made, episodes)
+        for law in (pair.law for pair in own):
+            path, sha256 = find_budget_law(environment_id, law)
+            if path:
+                pairs.append(BudgetPair(environment_id, scenario, law, path, sha256, count, seed))
+        pairs += [
+            AgentPair(item, scenario, count, seed) for item in agents if item.environment_id == environment_id
+        ]
+        pairs.append(ZeroPair(environment_id, scenario, _FREQUENCY, count, seed))
+    return pairs
+
+
+def _write(outcome: Outcome, records: Sequence[Any], output: Path) -> None:
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    content = {**describe_run(command), "evaluations": records, **outcome.to_plain()}
+    pictures = {
+        "profiles": draw_profiles(outcome.aggregates),
+        "scores": draw_scores(outcome.places, outcome.seed),
+        "compute": draw_compute(outcome.places),
+    }
+    if outcome.learned:
+        pictures["learning"] = draw_learning(outcome.places)
+    for name, picture in pictures.items():
+        write_file(output / f"{name}.png", picture)
+    write_json(output / "results.json", content)
+
+
+def _show(outcome: Outcome, output: Path, busy: bool) -> None:
+    """Print the tables, and what to know of them; `busy` if other work ran beside each pair."""
+    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+    for place in outcome.places:
+        console.print(place_table(place, outcome.seed))
+    notes = [
+        "score: interquartile mean over episodes, and training seeds, of return/duration, 1 is perfect; its "
+        "95 % interval is over both. Other figures are medians."
+    ]
+    if outcome.spread:
+        console.print(spread_table(outcome.places))
+    if outcome.duels:
+        console.print(duel_table(outcome.duels))
+        notes.append(
+            "better: whose score is higher by a paired difference whose interval leaves out 0; apart: "
+            "whether the intervals of the two scores do not overlap. The best are chosen on these episodes."
+        )
+    console.print(aggregate_table(outcome.aggregates))
+    if outcome.efforts:
+        console.print(effort_table(outcome.efforts))
+        notes.append(
+            "to the best law's score: medians over training seeds, from the scores that training or tuning "
+            "itself has measured, in the scenario named; violations: in all of the training."
+        )
+    console.print(audit_table(outcome.audits))
+    notes += [f"{gauge_name}: {reason}." for gauge_name, reason in _reasons(outcome)]
+    if busy:
+        notes.append(
+            "µs: of an action, measured beside other work; for that of a policy alone, choose --jobs 1."
+        )
+    for note in notes:
+        console.print(note, highlight=False)
+    console.print(f"results: {output / 'results.json'}", highlight=False)
+
+
+def _reasons(outcome: Outcome) -> list[tuple[str, str]]:
+    """Why each physical error was chosen, once each."""
+    gauges = [GAUGES[place.environment_id] for place in outcome.places]
+    return list(dict.fromkeys((gauge.name, gauge.reason) for gauge in gauges))

@@ -1,0 +1,103 @@
+"""Learning curves: score against simulated time, agents and tuned laws beside the best law."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, new_figure, to_png
+from prp_gym.comparison.statistics import best_of, score_of
+from prp_gym.comparison.table import short_id
+from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, LAW, Entry, History, Place
+from prp_gym.robot.arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+_COLUMNS = 3
+_DASHES = ("-", "--", ":")
+
+
+def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
+    """Scores of several training seeds at common times, those between two points of a curve interpolated.
+
+    Args:
+        histories: one a training seed.
+
+    Returns:
+        simulated time (n) [s] within the span that all of them cover, and scores (training seeds, n).
+    """
+    times = [history.simulated_seconds for history in histories]
+    first, last = max(own[0] for own in times), min(own[-1] for own in times)
+    grid = np.unique(np.concatenate(times))
+    grid = grid[(grid >= first) & (grid <= last)]
+    scores = [np.interp(grid, own, history.score) for own, history in zip(times, histories, strict=True)]
+    return grid, np.stack(scores)
+
+
+def draw_learning(places: Sequence[Place]) -> bytes:
+    """Score against simulated time, a panel an environment and scenario of training.
+
+    A line is the median over training seeds, its band their range; a law that was tuned is a staircase, the
+    best law a horizontal line. Scores are those of held-out episodes of a training, or of the episodes of a
+    tuning.
+    """
+    panels = _panels(places)
+    columns = min(_COLUMNS, len(panels))
+    rows = -(-len(panels) // _COLUMNS)
+    figure = new_figure(max(5.2 * columns, 8.0), 4.0 * rows + 0.8)
+    grid = figure.subplots(rows, columns, squeeze=False).ravel()
+    goals = {
+        (place.environment_id, place.scenario): score_of(best_of(place.of_kind(*CLASSICAL)))
+        for place in places
+        if place.of_kind(*CLASSICAL)
+    }
+    agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
+    names = enumerate(dict.fromkeys(agents))
+    colors = {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in names}
+    lines: dict[str, Artist] = {}
+    for axes in grid[len(panels) :]:
+        axes.set_axis_off()
+    for axes, (key, entries) in zip(grid, panels.items(), strict=False):
+        lines |= _draw_panel(axes, entries, colors, [goals[key]] if key in goals else [])
+        axes.set(title=f"{short_id(key[0])}, {key[1]}", xlabel="simulated time [s]", ylabel="score")
+    figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3, frameon=False)
+    return to_png(figure)
+
+
+def _panels(places: Sequence[Place]) -> Mapping[tuple[str, str], list[Entry]]:
+    """What learned, once each, by environment and scenario of the training."""
+    seen: dict[tuple[str, str], Entry] = {}
+    for place in places:
+        for entry in place.of_kind(AGENT, BUDGET):
+            if entry.histories:
+                seen[place.environment_id, entry.policy] = entry
+    panels: dict[tuple[str, str], list[Entry]] = {}
+    for (environment_id, _), entry in seen.items():
+        panels.setdefault((environment_id, entry.histories[0].scenario), []).append(entry)
+    return panels
+
+
+def _draw_panel(
+    axes: "Axes", entries: Sequence[Entry], colors: Mapping[str, str], goals: Sequence[float]
+) -> dict[str, "Artist"]:
+    """Draw one panel; its lines by label."""
+    lines: dict[str, Artist] = {}
+    for entry in (entry for entry in entries if entry.kind == AGENT):
+        time, scores = common_curve(entry.histories)
+        color = colors[entry.policy]
+        (lines[entry.policy],) = axes.plot(time, np.median(scores, axis=0), color=color, linewidth=1.8)
+        axes.fill_between(time, scores.min(axis=0), scores.max(axis=0), color=color, alpha=0.18, linewidth=0)
+    for index, entry in enumerate(entry for entry in entries if entry.kind == BUDGET):
+        history, style = entry.histories[0], _DASHES[index % len(_DASHES)]
+        time, label = history.simulated_seconds, "laws, tuned with a budget"
+        (line,) = axes.step(time, history.score, style, where="post", color=COLORS[BUDGET])
+        lines.setdefault(label, line)
+    for goal in goals:
+        lines["best law"] = axes.axhline(goal, color=COLORS[LAW], linestyle="-.", linewidth=1.3)
+        axes.annotate(f"{goal:.3f}", (0.01, goal), xycoords=("axes fraction", "data"), va="top", fontsize=8)
+    axes.set_xscale("log")
+    axes.set_ylim(0.0, 1.02)
+    axes.grid(True, color=GRID, linewidth=0.6)
+    return lines

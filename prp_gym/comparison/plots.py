@@ -1,0 +1,163 @@
+"""Pictures of a comparison: performance profiles, scores by task, compute time against score."""
+
+import io
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from prp_gym.comparison.statistics import (
+    BEST_AGENT,
+    BEST_BUDGET_LAW,
+    BEST_LAW,
+    Aggregate,
+    best_of,
+    estimate_score,
+    score_of,
+)
+from prp_gym.comparison.table import short_id
+from prp_gym.comparison.values import AGENT, BUDGET, LAW, ZERO, Place
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLORS = {LAW: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
+"""Of the kinds of policies."""
+
+NAMES = {LAW: "law", BUDGET: "law, equal budget", AGENT: "agent", ZERO: "no torque"}
+MODE_COLORS = (
+    "#d1661f",
+    "#5a9e3d",
+    "#8d5bb8",
+    "#b01030",
+    "#e0a82e",
+    "#3aa6a0",
+    "#8c564b",
+    "#e377c2",
+    "#555555",
+)
+"""Of agents by action mode."""
+
+GRID = "#dddddd"
+_DPI = 100
+_MARKERS = {LAW: "o", BUDGET: "s", AGENT: "D", ZERO: "x"}
+_MICROSECONDS = 1e6
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """An empty figure without a window [inches]."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # on use: the package stays light
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def to_png(figure: "Figure") -> bytes:
+    """The figure as a file."""
+    target = io.BytesIO()
+    figure.savefig(target, format="png", dpi=_DPI)
+    return target.getvalue()
+
+
+def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
+    """Share of scores above each threshold, a panel a scenario, with pointwise 95 % bands."""
+    scenarios = list(dict.fromkeys(item.scenario for item in aggregates))
+    shown = [item for item in aggregates if item.family != BEST_AGENT]
+    families = list(dict.fromkeys(item.family for item in shown))
+    modes = [name for name in families if name not in (BEST_LAW, BEST_BUDGET_LAW)]
+    colors = {BEST_LAW: COLORS[LAW], BEST_BUDGET_LAW: COLORS[BUDGET]}
+    colors |= {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in enumerate(modes)}
+    figure = new_figure(6.0 * len(scenarios), 5.5)
+    for axes, scenario in zip(figure.subplots(1, len(scenarios), squeeze=False)[0], scenarios, strict=True):
+        for item in (item for item in shown if item.scenario == scenario):
+            profile, color = item.profile, colors[item.family]
+            label = f"{item.family} ({item.tasks} tasks)" if item.tasks > 1 else f"{item.family} (1 task)"
+            axes.plot(profile.thresholds, profile.value, color=color, linewidth=1.8, label=label)
+            axes.fill_between(
+                profile.thresholds, profile.low, profile.high, color=color, alpha=0.15, linewidth=0
+            )
+        axes.set(title=f"scenario {scenario}", xlabel="score τ", ylabel="share of episodes with score > τ")
+        axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.02))
+        axes.grid(True, color=GRID, linewidth=0.6)
+        axes.legend(loc="lower left", fontsize=8, frameon=False)
+    return to_png(figure)
+
+
+def draw_scores(places: Sequence[Place], seed: int) -> bytes:
+    """Scores by task: the best of each kind with its 95 % interval, all others as small points.
+
+    Args:
+        places: with their policies.
+        seed: of the bootstrap.
+    """
+    scenarios = list(dict.fromkeys(place.scenario for place in places))
+    ids = list(dict.fromkeys(place.environment_id for place in places))
+    figure = new_figure(1.5 + 5.0 * len(scenarios), 1.8 + 0.62 * len(ids))
+    rows = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
+    for axes, scenario in zip(rows, scenarios, strict=True):
+        for place in (place for place in places if place.scenario == scenario):
+            _draw_place(axes, place, float(ids.index(place.environment_id)), seed)
+        axes.set_yticks(range(len(ids)), [short_id(name) for name in ids])
+        axes.set(title=f"scenario {scenario}", xlabel="score", xlim=(0.0, 1.02), ylim=(len(ids) - 0.5, -0.5))
+        axes.grid(True, axis="x", color=GRID, linewidth=0.6)
+        for line in range(1, len(ids)):
+            axes.axhline(line - 0.5, color=GRID, linewidth=0.6)
+    _legend(figure, [kind for kind in COLORS if any(place.of_kind(kind) for place in places)])
+    return to_png(figure)
+
+
+def _draw_place(axes: "Axes", place: Place, row: float, seed: int) -> None:
+    """One row: a line for each kind, the best of it with its interval."""
+    kinds = [kind for kind in COLORS if place.of_kind(kind)]
+    for kind, offset in zip(kinds, _offsets(len(kinds)), strict=True):
+        entries = place.of_kind(kind)
+        score, height = estimate_score(best_of(entries), seed), row + offset
+        others = [score_of(entry) for entry in entries]
+        axes.plot(others, [height] * len(others), "|", color=COLORS[kind], markersize=6, alpha=0.6)
+        axes.plot([score.low, score.high], [height, height], color=COLORS[kind], linewidth=2.2)
+        axes.plot([score.value], [height], _MARKERS[kind], color=COLORS[kind], markersize=6)
+
+
+def _offsets(count: int) -> list[float]:
+    return [0.2 * (index - (count - 1) / 2.0) for index in range(count)]
+
+
+def _legend(figure: "Figure", kinds: Sequence[str]) -> None:
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], color=COLORS[kind], marker=_MARKERS[kind], linestyle="", label=NAMES[kind])
+        for kind in kinds
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(kinds), frameon=False)
+
+
+def draw_compute(places: Sequence[Place]) -> bytes:
+    """Compute time of an action against score, a point a policy and task, a panel a scenario."""
+    scenarios = list(dict.fromkeys(place.scenario for place in places))
+    figure = new_figure(6.0 * len(scenarios), 5.0)
+    panels = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
+    kinds = [kind for kind in COLORS if kind != ZERO and any(place.of_kind(kind) for place in places)]
+    for axes, scenario in zip(panels, scenarios, strict=True):
+        for kind in kinds:
+            entries = [item for place in places if place.scenario == scenario for item in place.of_kind(kind)]
+            times = [_MICROSECONDS * entry.compute_time for entry in entries]
+            scores = [score_of(entry) for entry in entries]
+            axes.plot(times, scores, _MARKERS[kind], color=COLORS[kind], markersize=5, alpha=0.65)
+        _label_decades(axes)
+        axes.set(title=f"scenario {scenario}", xlabel="compute time of an action [µs]", ylim=(0.0, 1.02))
+        axes.grid(True, which="both", color=GRID, linewidth=0.5)
+    panels[0].set_ylabel("score, a point a policy and task")
+    _legend(figure, kinds)
+    return to_png(figure)
+
+
+def _label_decades(axes: "Axes") -> None:
+    """A logarithmic axis of plain numbers at 1, 2 and 5."""
+    from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.xaxis.set_minor_formatter(NullFormatter())

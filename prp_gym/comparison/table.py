@@ -1,0 +1,176 @@
+"""Comparisons as tables for the terminal."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
+from prp_gym.comparison.effort import Effort
+from prp_gym.comparison.statistics import Aggregate, Duel, estimate_score, training_spread
+from prp_gym.comparison.values import AGENT, Entry, Place
+from prp_gym.evaluation.statistics import Estimate
+from prp_gym.evaluation.table import Row, evaluation_table
+from prp_gym.robot.arrays import Array
+
+_ABSENT = "-"
+_WIDEST_NAME = 28  # with it the widest table of an evaluation holds in 120 columns
+_SEPARATORS = " _-"
+_THOUSAND, _MILLION = 1e3, 1e6
+
+
+def short_id(environment_id: str) -> str:
+    """An environment's id without what all of them share."""
+    return environment_id.removeprefix("PRP-").removesuffix("-v0")
+
+
+def fold(name: str, width: int = _WIDEST_NAME) -> str:
+    """A name in lines of a width, broken after a blank, an underscore or a hyphen where there is one."""
+    lines = []
+    while len(name) > width:
+        breaks = [index + 1 for index in range(width) if name[index] in _SEPARATORS]
+        end = width if name[width] == " " or not breaks else breaks[-1]
+        lines.append(name[:end].rstrip())
+        name = name[end:].lstrip()
+    return "\n".join([*lines, name])
+
+
+def place_table(place: Place, seed: int) -> Table:
+    """All policies of a place, best score first, with medians of the metrics.
+
+    Args:
+        place: with its policies.
+        seed: of the bootstrap.
+    """
+    title = f"{place.environment_id}, scenario {place.scenario}"
+    rows = [_row(entry, len(place.seeds), seed) for entry in place.entries]
+    return evaluation_table(title, rows, "policy", "µs")
+
+
+def _row(entry: Entry, episodes: int, seed: int) -> Row:
+    median = {name: _median(values) for name, values in entry.metrics.items()}
+    return Row(fold(entry.policy), episodes, estimate_score(entry, seed), median, entry.compute_time)
+
+
+def _median(values: Array) -> Array:
+    """Median over rows and episodes of what is not NaN: (rows, episodes, components) -> (components)."""
+    columns = values.reshape(-1, values.shape[-1]).T
+    kept = [column[~np.isnan(column)] for column in columns]
+    return np.array([np.median(column) if len(column) else np.nan for column in kept])
+
+
+def duel_table(duels: Iterable[Duel]) -> Table:
+    """The best law against the best agent at every place, a line each."""
+    table = _make("best law against best agent", ("environment", "best law, best agent"))
+    _add(table, "score", "95 %\ninterval", "differ-\nence", "95 %\ninterval", "P(agent\nbetter)")
+    _add(table, "apart", "better")
+    for duel in duels:
+        difference, law, agent = duel.difference, duel.law_score, duel.agent_score
+        table.add_row(short_id(duel.environment_id), fold(duel.law), *_score(law))
+        table.add_row(
+            f"  {duel.scenario}",
+            fold(duel.agent),
+            *_score(agent),
+            f"{difference.value:+.3f}",
+            f"{difference.low:+.3f} {difference.high:+.3f}",
+            f"{duel.probability:.2f}",
+            "yes" if duel.apart else "no",
+            duel.verdict,
+        )
+    return table
+
+
+def spread_table(places: Iterable[Place]) -> Table:
+    """Agents by training seed: median and range of their scores."""
+    table = _make("agents over training seeds", ("environment", "agent", "action mode"))
+    _add(table, "training\nseeds", "median\nscore", "range")
+    for place in places:
+        for entry in place.of_kind(AGENT):
+            spread = training_spread(entry)
+            table.add_row(
+                f"{short_id(place.environment_id)}, {place.scenario}",
+                fold(entry.policy),
+                fold(entry.mode),
+                str(len(entry.training_seeds)),
+                f"{spread.median:.3f}",
+                f"{spread.low:.3f}-{spread.high:.3f}",
+            )
+    return table
+
+
+def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
+    """Families over their tasks."""
+    table = _make("all tasks together", ("scenario", "family"))
+    _add(table, "tasks", "score", "95 %\ninterval", "best law on\nthese tasks")
+    for item in aggregates:
+        reference = _ABSENT if math.isnan(item.reference.value) else f"{item.reference.value:.3f}"
+        family = fold(item.family, 50)
+        table.add_row(item.scenario, family, str(item.tasks), *_score(item.score), reference)
+    return table
+
+
+def audit_table(audits: Iterable[Audit]) -> Table:
+    """Reward against physical error, flagged where they disagree."""
+    table = _make("reward against physical error", ("environment", "scenario", "physical error"))
+    _add(table, "policies", "rank\ncorrelation", f"below\n{LEAST_CORRELATION}")
+    for item in audits:
+        correlation = _ABSENT if math.isnan(item.correlation) else f"{item.correlation:.2f}"
+        table.add_row(
+            short_id(item.environment_id),
+            item.scenario,
+            fold(item.measure, 56),
+            str(len(item.policies)),
+            correlation,
+            "!" if item.flagged else "",
+        )
+    return table
+
+
+def effort_table(efforts: Sequence[Effort]) -> Table:
+    """What it took to be as good as the best law of the scenario of the training."""
+    table = _make("to the best law's score", ("environment", "policy"))
+    _add(table, "best\nlaw", "best\nso far", "reached\nby", "steps", "simulated\ns", "wall\nmin")
+    _add(table, "budget\ns", "viola-\ntions")
+    for item in efforts:
+        table.add_row(
+            fold(f"{short_id(item.environment_id)}, {item.scenario}", 18),
+            fold(item.policy, 26),
+            f"{item.goal:.3f}",
+            f"{item.best:.3f}",
+            f"{item.reached} of {item.members}",
+            _count(item.reach.steps),
+            _count(item.reach.simulated_seconds),
+            _count(item.reach.wall_minutes),
+            _count(item.budget_seconds),
+            _count(item.violations),
+        )
+    return table
+
+
+def _make(title: str, headers: Iterable[str]) -> Table:
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    for header in headers:
+        table.add_column(header, no_wrap=True, vertical="bottom")
+    return table
+
+
+def _add(table: Table, *headers: str) -> None:
+    for header in headers:
+        table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
+
+
+def _score(estimate: Estimate) -> tuple[str, str]:
+    return f"{estimate.value:.3f}", f"{estimate.low:.3f}-{estimate.high:.3f}"
+
+
+def _count(value: float) -> str:
+    """A quantity in a few characters."""
+    if math.isnan(value):
+        return _ABSENT
+    if math.isinf(value):
+        return "never"
+    if value >= _MILLION:
+        return f"{value / _MILLION:.3g} M"
+    return f"{value / _THOUSAND:.3g} k" if value >= _THOUSAND else f"{value:.3g}"
