@@ -8,6 +8,7 @@ import torch
 
 from prp_gym.agents.model import Learner
 from prp_gym.agents.recipes import Recipe
+from prp_gym.agents.run_export import write_agent
 from prp_gym.agents.run_folder import RunFolder
 from prp_gym.agents.training_state import TrainingState
 from prp_gym.evaluation.results import write_file, write_json
@@ -29,6 +30,7 @@ def finish_run(
         the content of `result.json`.
 
     Raises:
+        InvalidValueError: a network that cannot be exported.
         OutputError: the folder cannot be written to.
     """
     best = state.best[0]
@@ -46,6 +48,7 @@ def finish_run(
     )
     write_file(folder.path / "best_normalizer.npz", scale.getvalue())
     learner.model.policy.load_state_dict(dict(best.weights))
+    write_agent(folder, recipe, learner, normalizer, best.steps)
     result = {
         "environment": recipe.environment_id,
         "algorithm": recipe.algorithm,

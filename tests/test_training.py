@@ -65,7 +65,7 @@ def test_run_folder_holds_what_was_used_and_what_came_out(tmp_path: Path, algori
     result = train(job)
     assert {path.name for path in job.folder.iterdir()} == {
         *("config.yml", "run.json", "curve.json", "result.json", "tensorboard"),
-        *("best.pt", "best_normalizer.npz"),
+        *("best.pt", "best_normalizer.npz", "agent.safetensors", "agent.json"),
     }
     assert yaml.safe_load((job.folder / "config.yml").read_text()) == job.recipe.to_plain()
     run, rows = read(job.folder / "run.json"), read(job.folder / "curve.json")["rows"]
