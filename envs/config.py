@@ -48,13 +48,16 @@ class EnvConfig:
     scenario: str = field(
         default="randomized", metadata=describe("", "`report`, `randomized` or `realistic`")
     )
-    control_frequency: float = field(default=500, metadata=describe("Hz", "of actions; must divide 1000"))
+    control_frequency: float = field(
+        default=500,
+        metadata=describe("Hz", "of actions; must divide 1000, and 500 in other modes than `torque`"),
+    )
     duration: float = field(
         default=5.0, metadata=describe("s", "of an episode; a whole number of control periods")
     )
     action_mode: str = field(
         default=TORQUE,
-        metadata=describe("", "what an action means; `torque`: joint torques over limits"),
+        metadata=describe("", "what an action means; `torque`: joint torques over their limits"),
     )
     action_modes: str | None = field(
         default=None,

@@ -52,7 +52,10 @@ def assert_same_episodes(found: Sequence[Rollout], expected: Sequence[Rollout]) 
 @pytest.mark.parametrize(("environment_id", "mode"), PAIRS)
 def test_without_action_a_mode_is_its_law_at_500_hz(environment_id: str, mode: str) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "duration": 0.06}
-    env, plain = made(environment_id, mode, control_frequency=50, **keywords), made(environment_id, **keywords)
+    env, plain = (
+        made(environment_id, mode, control_frequency=50, **keywords),
+        made(environment_id, **keywords),
+    )
     expected = record_episodes(make_baseline(law_of(mode), plain), plain, [0, 1])
     assert len(expected[0].reward) == 30
     assert_same_episodes(record_episodes(idle(env), env, [0, 1]), expected)
@@ -142,7 +145,7 @@ def test_law_is_refused_where_actions_are_no_torques() -> None:
 
 def test_class_made_without_registration_knows_torques_alone() -> None:
     assert ImpedanceEnv().action_mode == "torque"
-    with pytest.raises(UnknownNameError, match="unknown action_mode 'impedance'.* Valid: torque"):
+    with pytest.raises(UnknownNameError, match=r"unknown action_mode 'impedance'\. Valid: torque\."):
         ImpedanceEnv(action_mode="impedance")
 
 
@@ -155,11 +158,18 @@ def test_residual_adds_its_share_of_the_limits(environment_id: str, mode: str) -
     env.step(action)
     wanted = law.astype(np.float64) + RESIDUAL_SHARE * action.astype(np.float64)
     # a share of the limit and back, at most two roundings
-    np.testing.assert_allclose(env.commanded_torque, np.clip(wanted, -1.0, 1.0) * env.torque_limit, rtol=1e-14)
+    np.testing.assert_allclose(
+        env.commanded_torque, np.clip(wanted, -1.0, 1.0) * env.torque_limit, rtol=1e-14
+    )
 
 
 @pytest.mark.parametrize(
-    ("keywords", "share"), [({"scenario": "report"}, 0.2), ({"torque_limit": None}, 0.2), ({"torque_limit": (5.0, 10.0, 1.0)}, 0.02)]
+    ("keywords", "share"),
+    [
+        ({"scenario": "report"}, 0.2),
+        ({"torque_limit": None}, 0.2),
+        ({"torque_limit": (5.0, 10.0, 1.0)}, 0.02),
+    ],
 )
 def test_residual_is_never_more_than_a_share_of_the_robots_own_limits(
     keywords: dict[str, Any], share: float
@@ -184,4 +194,3 @@ def test_same_seeds_give_the_same_bits() -> None:
         start = env.reset(seed=42)
         episodes.append((start, [env.step(action) for action in random_actions(env, 20)]))
     assert_same(episodes[1], episodes[0], "episode")
-

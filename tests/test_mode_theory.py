@@ -26,7 +26,10 @@ def action_for(env: PRPEnv, **meant: Array) -> Array:
     """The action whose fields mean the given values, and what is neutral elsewhere."""
     parts = []
     for field in env.action_fields:
-        bound, value = np.array(field.bound), np.array(meant.get(field.name, np.ones(field.size) * field.factor))
+        bound, value = (
+            np.array(field.bound),
+            np.array(meant.get(field.name, np.ones(field.size) * field.factor)),
+        )
         parts.append(np.log(value) / np.log(bound) if field.factor else value / bound)
     return np.concatenate(parts)
 
@@ -67,7 +70,7 @@ def test_tip_settles_where_springs_towards_the_moved_pose_hold_each_other(mode: 
     offset = np.array([0.03, -0.02, 0.04, 0.1, -0.2])
     options = {"joint_position": TOUCH, "goal": DEEP} | ({} if regulated else FAR)
     truth = steady(env, action_for(env, pose_offset=offset), **options)
-    moved = PRPArm().forward_kinematics(np.array(DEEP)) + [*offset, 0.0]
+    moved = PRPArm().forward_kinematics(np.array(DEEP)) + np.append(offset, 0.0)
     jacobian = oracle_jacobian(PinocchioArm(), truth["joint_position"])
     weights = WEIGHTS[mode]() * (moved - truth["end_effector_pose"])
     # of the springs' pull, ten or more, what has not decayed after 3 s, as exp(-5 t) at least
@@ -91,9 +94,13 @@ WEIGHTS = {
 """The springs by mode, up to a common factor: laws that prescribe accelerations weigh them equally."""
 
 
-@pytest.mark.parametrize(("offset", "factor"), [(0.0, 1.0), (0.03, 1.0), (-0.04, 1.0), (0.0, 6.0), (0.03, 0.3)])
+@pytest.mark.parametrize(
+    ("offset", "factor"), [(0.0, 1.0), (0.03, 1.0), (-0.04, 1.0), (0.0, 6.0), (0.03, 0.3)]
+)
 def test_surface_is_pressed_with_the_springs_in_series(offset: float, factor: float) -> None:
-    env = made("PRP-Impedance-v0", "variable_stiffness", scenario="report", control_frequency=20, duration=4.0)
+    env = made(
+        "PRP-Impedance-v0", "variable_stiffness", scenario="report", control_frequency=20, duration=4.0
+    )
     surface, spring = 300.0, factor * K_P
     moved = np.concatenate([offset * INTO, np.zeros(2)])
     action = action_for(env, pose_offset=moved, stiffness_factor=np.full(5, factor))
@@ -126,7 +133,9 @@ def overshoot(env: PRPEnv, action: Array) -> float:
 
 @pytest.mark.parametrize("stiffness", [1.0, 3.0, 0.5])
 @pytest.mark.parametrize("damping", [0.25, 0.5])
-def test_damping_ratio_follows_its_factor_and_not_that_of_the_stiffness(stiffness: float, damping: float) -> None:
+def test_damping_ratio_follows_its_factor_and_not_that_of_the_stiffness(
+    stiffness: float, damping: float
+) -> None:
     env = made("PRP-Impedance-v0", "variable_impedance", scenario="report", duration=3.0)
     action = action_for(
         env,

@@ -45,7 +45,7 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def watched(env: PRPEnv, actions: Any, seed: int) -> dict[str, Any]:
     """What an environment at 500 Hz showed while each action held for its period."""
-    observation, _ = env.reset(seed=seed)
+    env.reset(seed=seed)
     seen: dict[str, list[Any]] = {"truth": [env.truth], "torque": [], "applied": [], "info": []}
     for action in np.repeat(actions, PERIODS, axis=0):
         _, _, terminated, truncated, info = env.step(action)
