@@ -30,7 +30,7 @@ _INTRO = f"""What an action means is the keyword `action_mode`, of `gymnasium.ma
 
 `env.unwrapped.action_fields` holds the parts of an action, with units and bounds.
 """
-_RESIDUAL_TEXT = f"""A residual is at most {RESIDUAL_SHARE:g} of the actuator limits, or of the robot's own limits
+_RESIDUAL_TEXT = f"""A residual is at most {RESIDUAL_SHARE:g} of the actuator limits, or of the robot's own
 where the scenario or the keyword `torque_limit` allows more. The sum is clipped to the limits.
 """
 _SIZES = (

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from gymnasium.spaces import Box
 
 from prp_gym.envs.action_mode import ActionField, torque_field
 from prp_gym.errors import InvalidValueError
@@ -50,6 +51,6 @@ def test_action_space_has_a_component_for_every_unit_of_the_fields(environment_i
     env = made(environment_id, mode)
     space = env.action_space
     assert space.shape == (sum(len(field.units) for field in env.action_fields),)
-    assert (space.dtype, float(space.low.min()), float(space.high.max())) == (np.float32, -1.0, 1.0)
+    assert space == Box(-1.0, 1.0, space.shape, np.float32)
     assert env.action_mode == mode
     assert all(field.description and field.frame for field in env.action_fields)

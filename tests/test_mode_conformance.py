@@ -38,7 +38,7 @@ def test_observation_stays_in_its_space_under_full_actions(
     over = False
     while not over:
         assert env.observation_space.contains(observation)
-        action = np.full(env.action_space.low.shape, 2.0 * wild, dtype=np.float32)  # clipped
+        action = np.full(env.action_space.shape or (), 2.0 * wild, dtype=np.float32)  # clipped
         observation, reward, terminated, over, info = env.step(action)
         assert not terminated
         assert 0.0 <= reward <= 0.1

@@ -96,11 +96,16 @@ def test_copy_and_saved_state_go_on_as_the_original(environment_id: str, mode: s
     assert_same(play(clone, actions[:3]), play(env, actions[:3]), how)
 
 
+def env_size(env: PRPEnv) -> int:
+    """Components of an action."""
+    return sum(field.size for field in env.action_fields)
+
+
 @pytest.mark.parametrize(("environment_id", "mode"), KINDS)
 def test_new_episode_forgets_what_the_law_remembered(environment_id: str, mode: str) -> None:
     used, fresh = (made(environment_id, mode, control_frequency=RATE) for _ in range(2))
     used.reset(seed=1)
-    play(used, np.ones((20, *used.action_space.shape)))
+    play(used, np.ones((20, env_size(used))))
     assert_same(used.reset(seed=2), fresh.reset(seed=2), "reset")
     actions = random_actions(fresh, 5)
     assert_same(play(used, actions), play(fresh, actions), "steps")
@@ -176,11 +181,19 @@ def test_many_of_which_some_diverge_within_a_period_are_those_of_single_ones(
     keywords = {**WILD, "scenario": scenario, "control_frequency": RATE, "duration": 0.1}
     ours, theirs = (make("PRP-ForcePosition-v0", mode, 4, **keywords) for make in (together, one_by_one))
     assert_same(ours.reset(seed=20), theirs.reset(seed=20), "reset")
-    when = [[0, 3, 0, 9], [0, 15, 0, 0], [27, 0, 0, 2], [3, 4, 4, 5], [0, 0, 0, 0], [5, 0, 6, 0], [0] * 4]
+    when: list[list[float]] = [
+        [0, 3, 0, 9],
+        [0, 15, 0, 0],
+        [27, 0, 0, 2],
+        [3, 4, 4, 5],
+        [0, 0, 0, 0],
+        [5, 0, 6, 0],
+        [0] * 4,
+    ]
     pulls, ends = np.random.default_rng(1).uniform(-1.0, 1.0, (len(when), 4)), 0
     stepped = np.ones(4, dtype=np.bool_)
     for count, (periods, pull) in enumerate(zip(when, pulls, strict=True)):
-        action = np.stack([violent_in(np.array(periods)), pull], axis=1)
+        action = np.stack([np.array([violent_in(period) for period in periods]), pull], axis=1)
         found, expected = ours.step(action), theirs.step(action)
         assert_same(found, expected, f"step {count}")
         ends += int(found[2].sum())

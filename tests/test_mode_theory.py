@@ -72,24 +72,18 @@ def test_tip_settles_where_springs_towards_the_moved_pose_hold_each_other(mode: 
     truth = steady(env, action_for(env, pose_offset=offset), **options)
     moved = PRPArm().forward_kinematics(np.array(DEEP)) + np.append(offset, 0.0)
     jacobian = oracle_jacobian(PinocchioArm(), truth["joint_position"])
-    weights = WEIGHTS[mode]() * (moved - truth["end_effector_pose"])
+    weights = WEIGHTS[mode] * (moved - truth["end_effector_pose"])
     # of the springs' pull, ten or more, what has not decayed after 3 s, as exp(-5 t) at least
     np.testing.assert_allclose(jacobian.T @ weights, 0.0, atol=1e-4 * np.abs(weights).max())
     assert np.abs(moved - truth["end_effector_pose"])[:5].max() > 1e-3  # three joints do not come all the way
 
 
-def stiffness_over_inertia() -> Array:
-    """K_P/M_d (6) of the impedance law as the task asks for it."""
-    return np.full(6, K_P) / np.array(IMPEDANCE["inertia"])
-
-
-WEIGHTS = {
-    "operational_position": lambda: np.broadcast_to(
-        load_gains("operational_pd", "tuned", "PRP-PoseRegulation-v0")["proportional_gain"], 6
-    ),
-    "impedance": stiffness_over_inertia,
-    "admittance": lambda: np.ones(6),
-    "force_position": lambda: np.ones(6),
+OPERATIONAL = load_gains("operational_pd", "tuned", "PRP-PoseRegulation-v0")
+WEIGHTS: dict[str, Array] = {
+    "operational_position": np.full(6, OPERATIONAL["proportional_gain"]),
+    "impedance": np.full(6, IMPEDANCE["stiffness"]) / np.array(IMPEDANCE["inertia"]),
+    "admittance": np.ones(6),
+    "force_position": np.ones(6),
 }
 """The springs by mode, up to a common factor: laws that prescribe accelerations weigh them equally."""
 
@@ -128,7 +122,7 @@ def overshoot(env: PRPEnv, action: Array) -> float:
         assert not env.step(action)[2]
         ways.append((env.physics.tip_position[0] - start) @ INTO)
     assert ways[-1] == pytest.approx(0.02, rel=0.05)
-    return max(ways) / 0.02 - 1.0
+    return float(max(ways)) / 0.02 - 1.0
 
 
 @pytest.mark.parametrize("stiffness", [1.0, 3.0, 0.5])
