@@ -61,6 +61,7 @@ class EnvConfig:
     )
     action_modes: str | None = field(
         default=None,
+        compare=False,  # environments made with or without registration are the same
         metadata=describe("", "`module:function` that makes the other modes; the registered ids bring one"),
     )
     torque_limit: TorqueLimit = field(

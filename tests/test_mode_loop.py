@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
+from prp_gym.envs.impedance import ImpedanceEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from tests.made_up_mode import NEVER, WILD, violent_in
 from tests.mode_episodes import KINDS, made, random_actions
@@ -116,6 +117,12 @@ def test_state_of_another_mode_is_refused() -> None:
     env.reset(seed=0)
     with pytest.raises(InvalidValueError, match="saved state's keywords"):
         other.set_state(env.get_state())
+
+
+def test_state_goes_from_a_registered_environment_to_one_that_is_not() -> None:
+    env, other = made("PRP-Impedance-v0"), ImpedanceEnv()
+    observation, _ = env.reset(seed=0)
+    np.testing.assert_array_equal(other.set_state(env.get_state()), observation)
 
 
 def test_step_before_reset_is_refused() -> None:
