@@ -6,6 +6,7 @@ from typing import Any
 
 from prp_gym.agents.features import TrackingFeatures
 from prp_gym.agents.network import ACTIVATIONS, HEADS, NetworkShape
+from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.tasks.fields import Field, ObservationLayout
 
@@ -176,6 +177,24 @@ class AgentCard:
     def action_size(self) -> int:
         """Components of an action."""
         return self.network.outputs
+
+    @property
+    def action_mode(self) -> str:
+        """What its actions mean."""
+        return str(self.interface.keywords.get("action_mode", EnvConfig.action_mode))
+
+    @property
+    def control_frequency(self) -> float:
+        """Of its actions [Hz]."""
+        frequency = self.interface.keywords.get("control_frequency", EnvConfig.control_frequency)
+        if not isinstance(frequency, int | float):
+            raise InvalidValueError("control_frequency of the agent", frequency, "a number", "Hz")
+        return float(frequency)
+
+    @property
+    def steps(self) -> int:
+        """Of the whole training, also those after the network was as it is."""
+        return self.run.curve[-1].steps if self.run.curve else self.run.steps
 
     @property
     def seed(self) -> int:

@@ -90,7 +90,7 @@ class SB3VecEnv(VecEnv):
         return observation
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Keep the actions (N, joints), torques over their limits, for `step_wait`."""
+        """Keep the actions (N, size), their parts over their bounds, for `step_wait`."""
         self.actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:

@@ -48,16 +48,20 @@ class EnvConfig:
     scenario: str = field(
         default="randomized", metadata=describe("", "`report`, `randomized` or `realistic`")
     )
-    control_frequency: float = field(default=500, metadata=describe("Hz", "of actions; must divide 1000"))
+    control_frequency: float = field(
+        default=500,
+        metadata=describe("Hz", "of actions; must divide 1000, and 500 in other modes than `torque`"),
+    )
     duration: float = field(
         default=5.0, metadata=describe("s", "of an episode; a whole number of control periods")
     )
     action_mode: str = field(
         default=TORQUE,
-        metadata=describe("", "what an action means; `torque`: joint torques over limits"),
+        metadata=describe("", "what an action means; `torque`: joint torques over their limits"),
     )
     action_modes: str | None = field(
         default=None,
+        compare=False,  # environments made with or without registration are the same
         metadata=describe("", "`module:function` that makes the other modes; the registered ids bring one"),
     )
     torque_limit: TorqueLimit = field(

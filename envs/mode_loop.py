@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.action_mode import ActionMode, Memory
 from prp_gym.envs.config import EnvConfig
-from prp_gym.envs.loop import STATE, EpisodeLoop
+from prp_gym.envs.loop import STATE, EpisodeLoop, LoopState
 from prp_gym.envs.step import Step
 from prp_gym.errors import NonFiniteError, ShapeError
 from prp_gym.robot.arrays import Array
@@ -25,9 +25,9 @@ class ModeLoop(EpisodeLoop):
         task: judges them, at the inner period.
         config: common keywords, with the inner rate as control frequency.
         mode: what actions mean.
+        periods: inner periods in an action's.
         num_envs: N.
         num_threads: of the physics; 0 takes all cores.
-        periods: inner periods in an action's.
     """
 
     state_names = (*STATE, "_observation", "_memory", "_starts")
@@ -60,13 +60,18 @@ class ModeLoop(EpisodeLoop):
         """Start new episodes in some environments; see `EpisodeLoop.reset`."""
         observation = super().reset(ids, rngs, options)
         self._starts[ids] = True
-        self._observation = observation.copy()
-        return observation
+        self._observation[ids] = observation[ids]
+        return self._observation.copy()
+
+    def set_state(self, state: LoopState) -> Array:
+        """Go back to a state; see `EpisodeLoop.set_state`."""
+        super().set_state(state)
+        return self._observation.copy()
 
     def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """One action's period of every environment; see `EpisodeLoop.step`.
 
-        An environment that diverges stays at the period in which it did so.
+        An environment that diverges is shown as it was in the period in which it did so.
 
         Args:
             action: (N, action size); beyond ±1 they are clipped.
@@ -83,7 +88,7 @@ class ModeLoop(EpisodeLoop):
             waiting |= terminated
             if np.count_nonzero(waiting) == self.num_envs:
                 break
-            outcome = self._joined(outcome, self._period(held, waiting), waiting)
+            outcome = self._continued(outcome, held, waiting)
             terminated |= outcome.terminated & ~waiting
         return outcome._replace(observation=outcome.observation.copy(), terminated=terminated)
 
@@ -108,13 +113,18 @@ class ModeLoop(EpisodeLoop):
         self._observation = outcome.observation
         return outcome
 
-    def _joined(self, before: Step, after: Step, waiting: NDArray[np.bool_]) -> Step:
-        """Two periods as one; nothing of the later one counts where an environment waits."""
+    def _continued(self, before: Step, action: Array, waiting: NDArray[np.bool_]) -> Step:
+        """One more period, joined with those before it; environments that wait stay as they were."""
+        shown = self.truth, self.commanded_torque, self.physics.torque.copy()
+        after = self._period(action, waiting)
         info = np.where(self._summed, before.info + after.info, after.info)
         if not np.count_nonzero(waiting):
             return after._replace(reward=before.reward + after.reward, info=info)
         rows = waiting[:, None]
         self._observation = np.where(rows, before.observation, after.observation)
+        self.truth = np.where(rows, shown[0], self.truth)
+        self.commanded_torque = np.where(rows, shown[1], self.commanded_torque)
+        self.physics.set_torque(np.where(rows, shown[2], self.physics.torque))
         return Step(
             self._observation,
             before.reward + np.where(waiting, 0.0, after.reward),

@@ -170,8 +170,9 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         """One control period of every environment.
 
         Args:
-            actions: (N, joints) torques over their limits; beyond ±1 they are clipped and counted in `info`.
-                Those of environments that begin anew with this step do not count.
+            actions: (N, size) their parts over their bounds; what is beyond ±1 is clipped, and torques that
+                are so are counted in `info`. Those of environments that begin anew with this step do not
+                count.
 
         Returns:
             observations (N, size), rewards (N) [s], whether a simulation diverged (N), whether a duration is

@@ -50,14 +50,13 @@ class AgentFile:
             PRPError: files that are missing, damaged or no agent.
         """
         card = prp_gym.load_agent(str(path)).card
-        keywords = card.interface.keywords
         return cls(
             path=str(path),
             sha256=digest(path),
             group=group,
             environment_id=card.interface.environment_id,
-            mode=str(keywords.get("action_mode", EnvConfig.action_mode)),
-            control_frequency=float(keywords.get("control_frequency", EnvConfig.control_frequency)),
+            mode=card.action_mode,
+            control_frequency=card.control_frequency,
             training_seed=int(card.run.seed),
         )
 

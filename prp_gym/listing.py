@@ -7,8 +7,11 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from prp_gym.action_modes import list_action_modes
+from prp_gym.action_modes.catalogue import MODES, RESIDUAL
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.gains import gain_sets
+from prp_gym.envs.action_mode import TORQUE
 from prp_gym.registration import ENVIRONMENTS
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
@@ -17,17 +20,20 @@ from prp_gym.terminal import make_console, make_matrix
 
 def list_command(
     matrix: Annotated[bool, typer.Option("--matrix", help="Show which law runs where, and why not.")] = False,
+    modes: Annotated[bool, typer.Option("--modes", help="Show what actions can mean, and where.")] = False,
 ) -> None:
-    """Show environments, laws and scenarios, or which law runs where."""
+    """Show environments, laws and scenarios, or which law runs where, or what actions can mean."""
     console = make_console()
     layouts = _layouts()
-    tables = [_matrix(layouts)] if matrix else [_environments(layouts), _laws()]
-    for table in tables:
-        console.print(table)
     if matrix:
+        console.print(_matrix(layouts))
         for reason in _reasons(layouts):
             console.print(reason)
-    else:
+    if modes:
+        console.print(_modes(layouts))
+    if not (matrix or modes):
+        for table in (_environments(layouts), _laws()):
+            console.print(table)
         console.print(f"scenarios: {', '.join(SCENARIOS)}")
 
 
@@ -59,6 +65,18 @@ def _laws() -> Table:
     table = _table("laws", ("law", "what it is", "gain sets"))
     for name, law in BASELINES.items():
         table.add_row(name, law.summary, ", ".join(gain_sets(name)))
+    return table
+
+
+def _modes(layouts: dict[str, ObservationLayout]) -> Table:
+    table = _table("action modes", ("mode", "inner law", "an action", "environments"))
+    where = {name: list_action_modes(layout) for name, layout in layouts.items()}
+    table.add_row(TORQUE, "", "is the joint torques", "all")
+    for entry in MODES.values():
+        places = [name.removeprefix("PRP-") for name, modes in where.items() if entry.name in modes]
+        shown = "all" if len(places) == len(where) else ", ".join(places)
+        table.add_row(entry.name, entry.law, entry.summary, shown)
+    table.add_row(f"{RESIDUAL}LAW", "LAW", "adds to its torques", "where LAW runs")
     return table
 
 

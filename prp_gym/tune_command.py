@@ -80,7 +80,7 @@ def _budget(budget: int | None, like: str | None, control_frequency: float) -> i
         raise InvalidValueError("--budget and --like", (budget, like), "exactly one of the two")
     if budget is not None:
         return budget
-    card = prp_gym.load_agent(like).card
+    card = prp_gym.load_agent(str(like)).card
     # as fractions, so that no step is lost to rounding
     return math.floor(Fraction(card.steps) * Fraction(control_frequency) / Fraction(card.control_frequency))
 

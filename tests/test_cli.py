@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from prp_gym import list_envs
+from prp_gym.action_modes.catalogue import MODES
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.baselines.gains import gain_sets
 from prp_gym.cli import app, main
@@ -41,6 +42,15 @@ def refusal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
     output, error = capsys.readouterr()
     assert "Traceback" not in output + error
     return " ".join(error.split())
+
+
+def test_list_of_modes_names_them_all_with_their_laws() -> None:
+    result = RUNNER.invoke(app, ["list", "--modes"])
+    assert result.exit_code == 0
+    rows = [line.split() for line in plain(result.output).splitlines() if line.strip()]
+    found = {row[0]: row[1] for row in rows if row[0] in MODES}
+    assert found == {name: entry.law for name, entry in MODES.items()}
+    assert "residual:LAW" in result.output
 
 
 WRONG_NAMES = [

@@ -39,15 +39,16 @@ APPLICATIONS = {
 
 REPRODUCTION = "prp_gym.reproduction"  # puts the parts together too; only the command line knows of it
 TUNING = "prp_gym.tuning"  # likewise
-TOP = (REPRODUCTION, TUNING)
+ACTION_MODES = "prp_gym.action_modes"  # where laws and environments meet; only a string names it below
+TOP = (REPRODUCTION, TUNING, ACTION_MODES)
 COMMANDS = tuple(APPLICATIONS - {"prp_gym"})
+ABOVE = (*TOP, *COMMANDS)
 FORBIDDEN = {
-    "core": (*PARTS, *TOP, *COMMANDS),
-    "prp_gym.envs": ("prp_gym.baselines", "prp_gym.agents", *TOP, *COMMANDS),
-    "prp_gym.baselines": ("prp_gym.agents", *TOP, *COMMANDS),
-    "prp_gym.agents": ("prp_gym.baselines", *TOP, *COMMANDS),
-    REPRODUCTION: ("prp_gym.agents", TUNING, *COMMANDS),
-    TUNING: ("prp_gym.agents", REPRODUCTION, *COMMANDS),
+    "core": (*PARTS, *ABOVE),
+    "prp_gym.envs": ("prp_gym.baselines", "prp_gym.agents", *ABOVE),
+    "prp_gym.baselines": ("prp_gym.agents", *ABOVE),
+    "prp_gym.agents": ("prp_gym.baselines", *ABOVE),
+    **{top: ("prp_gym.agents", *(other for other in TOP if other != top), *COMMANDS) for top in TOP},
     "application": (),
 }
 BARE_NAMES = {name for name in PACKAGES if name != "prp_gym"}
@@ -81,6 +82,7 @@ def layer(module: str) -> str:
     if module in APPLICATIONS:
         return "application"
     return next((part for part in (*PARTS, *TOP) if within(module, part)), "core")
+    return next((part for part in (*PARTS, REPRODUCTION, ACTION_MODES) if within(module, part)), "core")
 
 
 def imported_modules(source: str, module: str, is_package: bool) -> Iterator[str]:
@@ -182,6 +184,13 @@ CORE, ENVS, BASELINES, AGENTS = "prp_gym.tasks.x", "prp_gym.envs.x", "prp_gym.ba
         ("prp_gym.tuning.tune", "import prp_gym.agents.agent_file", "prp_gym.agents.agent_file"),
         ("prp_gym.tuning.tune", "from prp_gym.pairs import running_code", "prp_gym.pairs"),
         ("prp_gym.tuning.tune", "import optuna", "optuna"),
+        ("prp_gym.registration", "from prp_gym.action_modes import make_action_mode", "prp_gym.action_modes"),
+        (ENVS, "from prp_gym.action_modes import list_action_modes", "prp_gym.action_modes"),
+        (BASELINES, "import prp_gym.action_modes.catalogue", "prp_gym.action_modes.catalogue"),
+        (AGENTS, "import prp_gym.action_modes.catalogue", "prp_gym.action_modes.catalogue"),
+        ("prp_gym.action_modes.x", "import prp_gym.agents.load", "prp_gym.agents.load"),
+        ("prp_gym.action_modes.x", "from prp_gym.cli import app", "prp_gym.cli"),
+        ("prp_gym.action_modes.x", "import torch", "torch"),
         (ENVS, "from prp_gym.baselines.policy import Baseline", "prp_gym.baselines.policy"),
         (ENVS, "import prp_gym.agents", "prp_gym.agents"),
         (ENVS, "from stable_baselines3 import PPO", "stable_baselines3"),
@@ -220,6 +229,8 @@ def test_checker_sees_a_violation(module: str, source: str, culprit: str) -> Non
             "import typer\nfrom prp_gym.baselines import policy",
         ),
         ("prp_gym.evaluation.table", "from rich.table import Table"),
+        ("prp_gym.action_modes.x", "import prp_gym.envs.action_mode\nimport prp_gym.baselines.registry"),
+        ("prp_gym.registration", "MODES = 'prp_gym.action_modes:make_action_mode'"),
         ("prp_gym.reproduction.run", "from prp_gym.baselines import make_baseline\nimport gymnasium"),
         ("prp_gym.reproduction.figures", "def draw():\n    from matplotlib.figure import Figure"),
         ("prp_gym.tuning.stored_study", "def search():\n    import optuna.storages.journal"),

@@ -6,17 +6,23 @@ from typing import Any
 
 from prp_gym.action_modes.steered_law import ResidualMode, SteeredLaw
 from prp_gym.baselines.policy import ControlInterface
-from prp_gym.baselines.registry import BASELINES
+from prp_gym.baselines.registry import list_baselines
 from prp_gym.envs.action_mode import TORQUE, ActionField, ActionMode
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import TORQUE_UNITS
+from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.task import Task
 
 RESIDUAL_SHARE = 0.2
-"""How much of the actuator limits a residual may add to a law's torque."""
+"""How much of the actuator limits, at most the robot's own, a residual may add to a law's torques."""
 
-_RESIDUAL = "residual:"
+SMOOTHING_TIME = 0.1
+"""Time constant with which the references and gains of a steered law follow the action [s]."""
+
+RESIDUAL = "residual:"
+"""Before the name of a law: the mode in which the action adds to its torques."""
+
 _JOINT_BOUND = (0.3, 0.05, 0.3)
 _JOINT_UNITS = ("rad", "m", "rad")
 _POSE_BOUND = (0.05, 0.05, 0.05, 0.3, 0.3)
@@ -119,9 +125,15 @@ MODES = {
 """The modes that move what a law takes for desired, by name."""
 
 
-def list_action_modes() -> list[str]:
-    """The names of all modes; which of them an environment can have depends on what it observes."""
-    return [TORQUE, *MODES, *(f"{_RESIDUAL}{law}" for law in BASELINES)]
+def list_action_modes(layout: ObservationLayout | None = None) -> list[str]:
+    """Names of the modes, or of those that an environment can have.
+
+    Args:
+        layout: `env.unwrapped.observation_layout`; all modes without it.
+    """
+    laws = list_baselines(layout)
+    steered = [entry.name for entry in MODES.values() if entry.law in laws]
+    return [TORQUE, *steered, *(f"{RESIDUAL}{law}" for law in laws)]
 
 
 def make_action_mode(name: str, task: Task[Any], torque_limit: Array, period: float) -> ActionMode:
@@ -137,19 +149,27 @@ def make_action_mode(name: str, task: Task[Any], torque_limit: Array, period: fl
         UnknownNameError: no such mode.
         MissingFieldError: the task does not show what the inner law reads.
     """
-    if name not in list_action_modes():
-        raise UnknownNameError("action_mode", name, list_action_modes())
+    names = list_action_modes()[1:]
+    if name not in names:
+        raise UnknownNameError("action_mode", name, (TORQUE, *names))
     interface = ControlInterface(
         task.environment_id, task.layout, torque_limit, period, task.model, task.asked
     )
-    joints = len(torque_limit)
-    if name.startswith(_RESIDUAL):
-        return ResidualMode(name.removeprefix(_RESIDUAL), _residual(torque_limit), interface)
+    if name.startswith(RESIDUAL):
+        field = residual_field(torque_limit, task.model.parameters.torque_limit)
+        return ResidualMode(name.removeprefix(RESIDUAL), field, interface)
     entry = MODES[name]
-    return SteeredLaw(entry.law, entry.fields(joints), interface)
+    return SteeredLaw(entry.law, entry.fields(len(torque_limit)), interface, SMOOTHING_TIME)
 
 
-def _residual(torque_limit: Sequence[float] | Array) -> ActionField:
-    bound = tuple(RESIDUAL_SHARE * float(limit) for limit in torque_limit)
+def residual_field(torque_limit: Sequence[float] | Array, nominal: Sequence[float]) -> ActionField:
+    """The action of the residual modes.
+
+    Args:
+        torque_limit: joint torques at 1 (joints) [N m, N, N m].
+        nominal: the robot's own limits (joints): where the actuators are given more than these, or no limit
+            at all, the share is one of these.
+    """
+    bound = tuple(RESIDUAL_SHARE * min(pair) for pair in zip(torque_limit, nominal, strict=True))
     units = TORQUE_UNITS[: len(bound)]
     return ActionField("residual_torque", units, "joint", bound, "added to the torques of the law")

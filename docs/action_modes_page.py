@@ -1,0 +1,104 @@
+"""The page on what actions mean."""
+
+from collections.abc import Iterable
+from itertools import accumulate
+
+import numpy as np
+
+from docs.tables import NOTE, numbers, table
+from prp_gym.action_modes import RESIDUAL_SHARE, ModeEntry, list_action_modes
+from prp_gym.action_modes.catalogue import MODES, RESIDUAL, residual_field
+from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, ActionField, torque_field
+from prp_gym.robot import NOMINAL
+from prp_gym.tasks.fields import ObservationLayout
+
+_ANY_LAW = f"{RESIDUAL}<law>"
+_RATE = f"{INNER_FREQUENCY:g}"
+_LIMIT = NOMINAL.torque_limit
+_INTRO = f"""What an action means is the keyword `action_mode`, of `gymnasium.make`, `gymnasium.make_vec` and
+`prp_gym.make_sb3_vec_env` alike. An action is always a `Box(-1, 1, (size,), float32)`.
+
+- In mode `{TORQUE}`, the default, it is the joint torques over their limits, held over a control period.
+- In every other mode a law runs inside the environment at {_RATE} Hz, with its `tuned` gains, on what a
+  policy would observe. The action steers it, at the `control_frequency`, which must divide {_RATE}.
+- Zero action leaves the law as it is: the episode is, bit for bit, the law's own at {_RATE} Hz.
+- Sensors, actuators, reward and costs work at {_RATE} Hz, as they do for a law on its own. A step's reward,
+  its terms and its costs are sums over the law's periods; contact force and time are those at the end.
+- `prp_gym.evaluate` records at {_RATE} Hz, so that an agent's metrics compare with a law's.
+- An environment has the modes whose laws read what it observes, and refuses the others with a
+  `MissingFieldError`. `make_baseline` refuses environments in modes other than `{TORQUE}`.
+
+`env.unwrapped.action_fields` holds the parts of an action, with units and bounds.
+"""
+_RESIDUAL_TEXT = f"""A residual is at most {RESIDUAL_SHARE:g} of the actuator limits, or of the robot's own
+where the scenario or the keyword `torque_limit` allows more. The sum is clipped to the limits.
+"""
+_SIZES = (
+    "Numbers are those of the arm. PRP-Adaptive-v0, a single link, has the first component of joint offsets"
+    " and torques, with its own limit.\n"
+)
+
+
+def action_modes_page(layouts: Iterable[tuple[str, ObservationLayout]]) -> str:
+    """Every mode with its law, its action, and the environments that have it.
+
+    Args:
+        layouts: what each environment observes, with its id.
+    """
+    parts = [NOTE, "# Action modes\n", _INTRO, "## Modes\n"]
+    has = {environment_id: modes_of(layout) for environment_id, layout in layouts}
+    rows = [_mode(name, law, summary, fields, has) for name, law, summary, fields in _entries()]
+    parts.append(table(("mode", "inner law", "action size", "what an action does", "environments"), rows))
+    parts += [_SIZES, "## Actions\n"]
+    for name, _, _, fields in _entries():
+        parts += [f"### {name}\n", _fields(fields)]
+    return "\n".join([*parts, _RESIDUAL_TEXT])
+
+
+def modes_of(layout: ObservationLayout) -> list[str]:
+    """The modes of an environment, those that add to a law's torques as one."""
+    names = list_action_modes(layout)
+    return [*(name for name in names if not name.startswith(RESIDUAL)), _ANY_LAW]
+
+
+def _entries() -> list[tuple[str, str, str, tuple[ActionField, ...]]]:
+    """Name, law, summary and fields of every mode."""
+
+    def steered(entry: ModeEntry) -> tuple[str, str, str, tuple[ActionField, ...]]:
+        return entry.name, f"`{entry.law}`", entry.summary, entry.fields(len(_LIMIT))
+
+    return [
+        (TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),)),
+        *map(steered, MODES.values()),
+        (_ANY_LAW, "any that runs there", "adds to a law's torques", (residual_field(_LIMIT, _LIMIT),)),
+    ]
+
+
+def _mode(
+    name: str, law: str, summary: str, fields: tuple[ActionField, ...], has: dict[str, list[str]]
+) -> tuple[str, ...]:
+    places = [environment_id for environment_id, modes in has.items() if name in modes]
+    where = "all" if len(places) == len(has) else ", ".join(places)
+    return f"`{name}`", law, str(sum(field.size for field in fields)), summary, where
+
+
+def _fields(fields: tuple[ActionField, ...]) -> str:
+    ends = list(accumulate(field.size for field in fields))
+    rows = [
+        (
+            f"{end - field.size} to {end - 1}",
+            f"`{field.name}`",
+            ", ".join(field.units),
+            field.frame,
+            _bounds(field),
+            field.description,
+        )
+        for field, end in zip(fields, ends, strict=True)
+    ]
+    return table(("index", "field", "unit", "frame", "means, from -1 to 1", "meaning"), rows)
+
+
+def _bounds(field: ActionField) -> str:
+    if field.factor:
+        return f"{numbers(field.low[:1])} to {numbers(field.bound[:1])}, in equal ratios; 1 at 0"
+    return f"±({numbers(field.bound)})"
