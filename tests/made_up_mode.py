@@ -17,7 +17,7 @@ NEVER = 0.0
 
 @dataclass(frozen=True)
 class LateMode:
-    """Gentle torques, but full ones, of 10⁶ N m, in the period of an episode that an action names.
+    """Gentle torques, but of 10⁴ N m in the period of an episode that an action names: too fast for a while.
 
     Its memory, (N, 2), counts the periods of an episode and holds the last observation's first number.
     """
@@ -35,7 +35,7 @@ class LateMode:
         before = np.zeros((len(action), 2)) if memory is None else memory
         count = np.where(starts, 0.0, before[:, 0]) + 1.0
         when = np.round(self.fields[0].value(action[:, :1]))[:, 0]
-        torque = np.where(count == when, 1.0, self.fields[1].value(action[:, 1]) * np.sin(count))
+        torque = np.where(count == when, 0.01, self.fields[1].value(action[:, 1]) * np.sin(count))
         return np.tile(torque[:, None], self.joints), np.stack([count, observation[:, 0]], axis=1)
 
 

@@ -147,6 +147,14 @@ def test_action_that_is_no_number_changes_nothing(value: float) -> None:
     assert_same(many.step(np.ones((2, 5)))[0][0], expected[0], "many")
 
 
+@pytest.mark.parametrize("mode", ["variable_impedance", "residual:joint_pd"])
+def test_action_beyond_one_is_clipped(mode: str) -> None:
+    env, twin = (made("PRP-Impedance-v0", mode) for _ in range(2))
+    assert_same(env.reset(seed=4), twin.reset(seed=4), "reset")
+    action = np.linspace(-2.0, 2.0, env_size(env))
+    assert_same(env.step(action), twin.step(np.clip(action, -1.0, 1.0)), "step")
+
+
 def test_action_of_another_shape_is_refused() -> None:
     env = made("PRP-Impedance-v0", "impedance")
     env.reset(seed=0)
