@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.baselines.policy import ControlInterface, PolicyState
+from prp_gym.baselines.policy import ControlInterface
 from prp_gym.baselines.registry import make_law
 from prp_gym.envs.action_mode import ActionField
+from prp_gym.policy_state import PolicyState
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import Field, ObservationLayout
 
