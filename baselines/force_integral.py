@@ -51,6 +51,22 @@ class ForceError(NamedTuple):
         return cls(axis, size, np.sum(axis * measured, axis=-1, keepdims=True))
 
 
+class Pace(NamedTuple):
+    """By how much whoever steers a law hurries it.
+
+    Attributes:
+        approach: factor (..., 1) of the speed before a touch.
+        bandwidth: factor (..., 1) of the bandwidth in contact.
+    """
+
+    approach: Array
+    bandwidth: Array
+
+
+STEADY = Pace(np.ones(1), np.ones(1))
+"""Nobody hurries it."""
+
+
 class ForceIntegral(ABC):
     """The displacement x_F by which a force error moves the target of a position loop.
 
@@ -67,7 +83,9 @@ class ForceIntegral(ABC):
         """The memory at the start of an episode, for leading dimensions `shape`."""
 
     @abstractmethod
-    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
+    def step(
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, pace: Pace = STEADY
+    ) -> tuple[Array, Memory]:
         """One control period.
 
         Args:
@@ -75,6 +93,7 @@ class ForceIntegral(ABC):
             error: of the force.
             tip: (..., 3) where the tip is, world frame [m].
             lag: (..., 3) by which the tip's motion keeps it behind its target [m].
+            pace: how fast it should be beside what its gains say.
 
         Returns:
             x_F (..., 3) [m] for this period, and the memory a period later.
@@ -101,11 +120,13 @@ class FixedGains(ForceIntegral):
         """No displacement."""
         return (np.zeros((*shape, 3)),)
 
-    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
-        """See `ForceIntegral.step`."""
+    def step(
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, pace: Pace = STEADY
+    ) -> tuple[Array, Memory]:
+        """See `ForceIntegral.step`; the bandwidth is that of the integral, and there is no approach."""
         pull = error.axis * error.value
         (displacement,) = memory
-        after = displacement + self.period * self.integral_gain * pull
+        after = displacement + self.period * self.integral_gain * pace.bandwidth * pull
         return displacement + self.force_gain * pull, (after,)
 
 
@@ -140,7 +161,9 @@ class ScheduledGain(ForceIntegral):
         """No displacement, no contact, and an estimator that knows nothing."""
         return np.zeros((*shape, 3)), np.zeros((*shape, 1)), self.estimator.begin(shape)
 
-    def step(self, memory: Memory, error: ForceError, tip: Array, lag: Array) -> tuple[Array, Memory]:
+    def step(
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, pace: Pace = STEADY
+    ) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
         displacement, touching = memory[0], memory[1] > 0.0
         contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
@@ -149,7 +172,7 @@ class ScheduledGain(ForceIntegral):
         estimate = self.estimator.update(
             memory[2], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
         )
-        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None])
+        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None], pace)
         after = displacement + self.estimator.period * error.axis * rate
         return displacement, (after, contact.astype(np.float64), estimate)
 
@@ -157,7 +180,8 @@ class ScheduledGain(ForceIntegral):
         half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)
         return np.minimum(half, self.contact_threshold)
 
-    def _rate(self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array) -> Array:
+    def _rate(self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array, pace: Pace) -> Array:
         """ẋ_F along the axis (..., 1) [m/s]."""
-        e, v = error.value, self.approach_speed
-        return np.where(contact, np.clip(self.bandwidth * e / stiffness, -v, v), v * (e > 0.0))
+        e, v = error.value, self.approach_speed * pace.approach
+        wanted = self.bandwidth * pace.bandwidth * e / stiffness
+        return np.where(contact, np.clip(wanted, -v, v), v * (e > 0.0))

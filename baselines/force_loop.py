@@ -6,7 +6,14 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from prp_gym.baselines.force_integral import FixedGains, ForceError, ForceIntegral, ScheduledGain
+from prp_gym.baselines.force_integral import (
+    STEADY,
+    FixedGains,
+    ForceError,
+    ForceIntegral,
+    Pace,
+    ScheduledGain,
+)
 from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
 from prp_gym.baselines.policy import ControlInterface, LawState, Observed
 from prp_gym.baselines.references import PoseReference
@@ -76,8 +83,9 @@ class ForceLoop(OperationalBaseline[SettingsT]):
     """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_r + M_d⁻¹(K_D (ẋ_r - ẋ) + K_P (x_r + x_F - x)).
 
     (x_r, ẋ_r, ẍ_r) is the motion without force error, x_F the displacement that the force error adds. Where
-    nothing asks for a force, none is desired; a `force_offset` is added by whoever steers the law. An
-    actuator at its limit stops x_F.
+    nothing asks for a force, none is desired. An actuator at its limit stops x_F. Whoever steers the law may
+    add a `force_offset`, and scale the speed before a touch and the bandwidth in contact by
+    `approach_speed_factor` and `bandwidth_factor`.
 
     Args:
         interface: what the law may know of the environment.
@@ -115,9 +123,19 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         braking = K_D * (base.velocity - measured.velocity)
         lag = np.divide(-braking, K_P, out=np.zeros(braking.shape), where=K_P > 0.0)
         count = self._integral.arrays
-        x_F, memory = self._integral.step(state[:count], error, measured.pose[..., :3], lag[..., :3])
+        x_F, memory = self._integral.step(
+            state[:count], error, measured.pose[..., :3], lag[..., :3], _pace(observed)
+        )
         position_error = base.pose - measured.pose
         position_error[..., :3] += x_F
         effort = braking + K_P * position_error
         torque = self.resolved_torque(measured, base.acceleration + effort / M_d)
         return torque + self.contact_torque(measured, force), memory + state[count:]
+
+
+def _pace(observed: Observed) -> Pace:
+    """As whoever steers the law sets it."""
+    return Pace(
+        observed.get("approach_speed_factor", STEADY.approach),
+        observed.get("bandwidth_factor", STEADY.bandwidth),
+    )

@@ -1,7 +1,7 @@
 """The action modes by name, and how to make one."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from prp_gym.action_modes.steered_law import ResidualMode, SteeredLaw
@@ -27,7 +27,8 @@ _JOINT_BOUND = (0.3, 0.05, 0.3)
 _JOINT_UNITS = ("rad", "m", "rad")
 _POSE_BOUND = (0.05, 0.05, 0.05, 0.3, 0.3)
 _POSE_UNITS = ("m", "m", "m", "rad", "rad")
-_FORCE_BOUND = (5.0, 5.0, 5.0)
+_STIFF_POSE_BOUND = (0.005, 0.005, 0.005, 0.05, 0.05)  # 5 mm are 25 N on the stiffest surface
+_FORCE_BOUND = (2.0, 2.0, 2.0)
 _FACTOR_UNITS = ("1",) * 5
 
 Fields = tuple[ActionField, ...]
@@ -42,6 +43,7 @@ def _joint_offset(joints: int) -> Fields:
 _POSE_OFFSET = ActionField(
     "pose_offset", _POSE_UNITS, "world", _POSE_BOUND, "added to x, y, z, α, β of the desired pose x_d"
 )
+_STIFF_POSE_OFFSET = replace(_POSE_OFFSET, bound=_STIFF_POSE_BOUND)
 _STIFFNESS_FACTOR = ActionField(
     "stiffness_factor",
     _FACTOR_UNITS,
@@ -60,6 +62,14 @@ _DAMPING_FACTOR = ActionField(
 )
 _FORCE_OFFSET = ActionField(
     "force_offset", ("N",) * 3, "world", _FORCE_BOUND, "added to the desired force f_d by the tip"
+)
+
+
+_APPROACH_FACTOR = ActionField(
+    "approach_speed_factor", ("1",), "", (10.0,), "times the law's speed towards a surface", factor=True
+)
+_BANDWIDTH_FACTOR = ActionField(
+    "bandwidth_factor", ("1",), "", (4.0,), "times the law's bandwidth in contact", factor=True
 )
 
 
@@ -117,8 +127,8 @@ MODES = {
         ModeEntry(
             "force_position",
             "parallel_force_position",
-            lambda _: (_POSE_OFFSET, _FORCE_OFFSET),
-            "moves position and force of parallel force/position control",
+            lambda _: (_STIFF_POSE_OFFSET, _FORCE_OFFSET, _APPROACH_FACTOR, _BANDWIDTH_FACTOR),
+            "moves position and force of parallel force/position control, and sets how fast it goes",
         ),
     )
 }
