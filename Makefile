@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep clean
+.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep train clean
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
@@ -29,6 +29,10 @@ bench: $(VENV)/.dev peers
 peers: $(VENV)/.dev
 	$(BIN)/python -m bench.peers
 
+train: $(VENV)/.agents
+	$(BIN)/prp-gym train --shipped
+	$(BIN)/prp-gym ship
+
 sweep: $(VENV)/.dev
 	$(BIN)/python -m bench.sweep_gains
 
@@ -46,6 +50,10 @@ $(VENV)/.core: pyproject.toml constraints.txt
 		{ echo "prp_gym needs Python 3.11 or newer; this is $$($(PYTHON) --version). Set PYTHON=..."; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --editable .
+	@touch $@
+
+$(VENV)/.agents: $(VENV)/.core
+	$(PIP) --editable '.[agents]'
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.core

@@ -19,9 +19,6 @@ from prp_gym.agents.recipes import Recipe, make_recipe
 from prp_gym.agents.run_folder import RunFolder
 from prp_gym.errors import RunFolderError
 
-AGENT = "agent"
-"""Name of the agent's files in the run's folder, without suffix."""
-
 
 def write_agent(
     folder: RunFolder, recipe: Recipe, learner: Learner, normalizer: Normalizer, steps: int
@@ -45,7 +42,7 @@ def write_agent(
         learner.env.get_attr("observation_layout", 0)[0],
         _describe(json.loads(folder.run.read_bytes()), json.loads(folder.curve.read_bytes()), recipe, steps),
     )
-    save_agent(export_agent(learner.model, normalizer, facts), folder.path / AGENT)
+    save_agent(export_agent(learner.model, normalizer, facts), folder.agent)
 
 
 def _describe(run: Mapping[str, Any], curve: Mapping[str, Any], recipe: Recipe, steps: int) -> Run:

@@ -55,6 +55,11 @@ class RunFolder:
         return self.path / "result.json"
 
     @property
+    def agent(self) -> Path:
+        """The best policy's files as an agent, without suffix."""
+        return self.path / "agent"
+
+    @property
     def tensorboard(self) -> Path:
         """TensorBoard's files."""
         return self.path / "tensorboard"

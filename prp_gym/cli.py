@@ -12,6 +12,7 @@ from prp_gym.evaluate_command import evaluate_command
 from prp_gym.export_command import export_command
 from prp_gym.listing import list_command
 from prp_gym.reproduction.command import reproduce_command
+from prp_gym.ship_command import ship_command
 from prp_gym.terminal import make_console
 from prp_gym.train_command import train_command
 from prp_gym.tune_command import tune_command
@@ -47,6 +48,7 @@ app.command("evaluate")(evaluate_command)
 app.command("export")(export_command)
 app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
+app.command("ship")(ship_command)
 app.command("tune")(tune_command)
 app.command("train")(train_command)
 

@@ -31,8 +31,10 @@ APPLICATIONS = {
     "prp_gym.finished_pairs",
     "prp_gym.listing",
     "prp_gym.pairs",
+    "prp_gym.ship_command",
     "prp_gym.tune_command",
     "prp_gym.train_command",
+    "prp_gym.train_seeds",
     "prp_gym.play_pairs",
 }
 """The facade and the command line see everything but agents' tools."""
@@ -64,7 +66,9 @@ MORE_THIRD_PARTY = {
     "prp_gym.listing": {"rich", "typer"},
     "prp_gym.parallel": {"joblib", "ray"},
     "prp_gym.terminal": {"rich"},
-    "prp_gym.train_command": {"rich", "typer"},
+    "prp_gym.ship_command": {"rich", "typer"},
+    "prp_gym.train_command": {"typer"},
+    "prp_gym.train_seeds": {"rich"},
     "prp_gym.evaluation.table": {"rich"},
     "prp_gym.reproduction.command": {"typer"},
     "prp_gym.reproduction.table": {"rich"},
@@ -82,7 +86,6 @@ def layer(module: str) -> str:
     if module in APPLICATIONS:
         return "application"
     return next((part for part in (*PARTS, *TOP) if within(module, part)), "core")
-    return next((part for part in (*PARTS, REPRODUCTION, ACTION_MODES) if within(module, part)), "core")
 
 
 def imported_modules(source: str, module: str, is_package: bool) -> Iterator[str]:
