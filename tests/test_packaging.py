@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 MAPPED = ("envs", "baselines", "agents")
-DATA_SUFFIXES = {".py", ".toml", ".typed"}
+DATA_SUFFIXES = {".py", ".toml", ".typed", ".yml", ".json", ".safetensors"}
 
 
 def tracked_files() -> list[PurePosixPath]:
@@ -82,7 +82,8 @@ def test_every_sub_package_is_listed() -> None:
     import tomllib
 
     listed = set(tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"])
-    folders = {str(PurePosixPath(name).parent).replace("/", ".") for name in expected_modules()}
+    modules = {PurePosixPath(name) for name in expected_modules() if name.endswith(".py")}
+    folders = {str(path.parent).replace("/", ".") for path in modules}
     assert listed == folders
 
 
