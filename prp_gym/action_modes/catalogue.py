@@ -127,8 +127,14 @@ MODES = {
         ModeEntry(
             "force_position",
             "parallel_force_position",
-            lambda _: (_STIFF_POSE_OFFSET, _FORCE_OFFSET, _APPROACH_FACTOR, _BANDWIDTH_FACTOR),
-            "moves position and force of parallel force/position control, and sets how fast it goes",
+            lambda _: (_STIFF_POSE_OFFSET, _FORCE_OFFSET),
+            "moves position and force of parallel force/position control",
+        ),
+        ModeEntry(
+            "variable_force_position",
+            "parallel_force_position",
+            lambda _: (_APPROACH_FACTOR, _BANDWIDTH_FACTOR),
+            "sets how fast parallel force/position control approaches and corrects",
         ),
     )
 }
