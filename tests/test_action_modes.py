@@ -92,7 +92,7 @@ def test_environment_has_the_modes_that_its_observations_serve_and_no_others(env
                 made(environment_id, mode)
 
 
-def test_modes_are_torque_eight_and_a_residual_of_every_law() -> None:
+def test_modes_are_torque_nine_and_a_residual_of_every_law() -> None:
     assert list_action_modes() == [
         "torque",
         "joint_position",
@@ -103,6 +103,7 @@ def test_modes_are_torque_eight_and_a_residual_of_every_law() -> None:
         "variable_impedance",
         "admittance",
         "force_position",
+        "variable_force_position",
         *(f"residual:{law}" for law in BASELINES),
     ]
 

@@ -16,6 +16,7 @@ from tests.pinocchio_model import PinocchioArm
 
 IMPEDANCE = load_gains("impedance", "tuned", "PRP-Impedance-v0")
 M_D, K_D, K_P = (float(np.ravel(IMPEDANCE[name])[0]) for name in ("inertia", "damping", "stiffness"))
+FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
 INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
 TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
 DEPTH = 0.1  # [m] between their tips
@@ -174,3 +175,44 @@ def test_response_is_that_much_faster_under_a_stiffness_factor() -> None:
     expected = np.pi / (np.sqrt(K_P / M_D) * np.sqrt(1.0 - ratio**2))
     # half of the period and of the peak's flat top
     assert peaks == pytest.approx([expected, expected / 2.0], rel=0.02)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 3.0])
+def test_tip_approaches_a_surface_so_many_times_as_fast(factor: float) -> None:
+    env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
+    action = action_for(env, approach_speed_factor=np.array([factor]))
+    env.reset(seed=0, options={"joint_position": TOUCH, "desired_force": 3.0, **FAR})
+    ways = []
+    for _ in range(30):
+        env.step(action)
+        ways.append(float(env.physics.tip_position[0] @ INTO))
+    # the inner loop lags by a constant distance once exp(-10 t) of the factor's own delay has decayed
+    speed = (ways[-1] - ways[-5]) / 0.2
+    assert speed == pytest.approx(factor * FORCE["approach_speed"], rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
+    env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
+    action = action_for(env, bandwidth_factor=np.array([factor]))
+    surface = {**SURFACE, "surface_stiffness": 1000.0, "desired_force": 3.0}
+    env.reset(seed=0, options={"joint_position": TOUCH, **surface})
+    errors = []
+    for _ in range(16):
+        env.step(action)
+        errors.append(3.0 - float(INTO @ env.task.truth_layout.split(env.truth)["contact_force"]))
+    rate = np.log(errors[7] / errors[13]) / 0.3
+    # the estimate is within a tenth of the surface's stiffness, and the inner loop takes its own 1/120 s
+    assert rate == pytest.approx(factor * FORCE["bandwidth"], rel=0.15)
+
+
+def test_what_a_law_reads_follows_the_action_with_its_time_constant() -> None:
+    env = made("PRP-JointRegulation-v0", "joint_position")
+    observation, _ = env.reset(seed=0)
+    mode = catalogue.make_action_mode("joint_position", env.task, env.torque_limit, 0.002)
+    action, starts, memory = np.array([[1.0, -0.5, 0.25]]), np.array([True]), None
+    for period in range(1, 101):
+        _, memory = mode.torque(action, observation[None], memory, starts)
+        starts = np.array([False])
+        reached = 1.0 - np.exp(-0.002 * period / catalogue.SMOOTHING_TIME)
+        np.testing.assert_allclose(memory[0], reached * action, rtol=1e-12)
