@@ -142,5 +142,5 @@ def test_score_on_the_card_is_found_again(name: str) -> None:
     with closing(policy.make_env(scenario="randomized")) as env:
         found = evaluate(policy, env, score.episodes, score.seed).score
     # other processors round the network's float32 differently: random 3e-7 on every action moved the scores
-    # by 2e-8, and a ten-thousandth more of the plant's noise by far more than this
+    # by 2e-8, and a ten-thousandth more viscous friction moved them by more than is allowed here
     assert found == pytest.approx((score.value, score.low, score.high), abs=1e-6)
