@@ -141,6 +141,6 @@ def test_score_on_the_card_is_found_again(name: str) -> None:
     score = policy.card.scores["randomized"]
     with closing(policy.make_env(scenario="randomized")) as env:
         found = evaluate(policy, env, score.episodes, score.seed).score
-    # other processors round the network's float32 differently, 1e-7 of an action, which feedback does not
-    # let grow; any change of the plant, its noise or its scenario is a thousand times this
-    assert found == pytest.approx((score.value, score.low, score.high), abs=1e-5)
+    # other processors round the network's float32 differently: random 3e-7 on every action moved the scores
+    # by 2e-8, and a ten-thousandth more viscous friction moved them by more than is allowed here
+    assert found == pytest.approx((score.value, score.low, score.high), abs=1e-6)
