@@ -191,7 +191,7 @@ def test_tip_approaches_a_surface_so_many_times_as_fast(factor: float) -> None:
     assert speed == pytest.approx(factor * FORCE["approach_speed"], rel=1e-3)
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("factor", [0.5, 1.0, 1.5])
 def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
     env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
     action = action_for(env, bandwidth_factor=np.array([factor]))
@@ -201,9 +201,10 @@ def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
     for _ in range(16):
         env.step(action)
         errors.append(3.0 - float(INTO @ env.task.truth_layout.split(env.truth)["contact_force"]))
-    rate = np.log(errors[7] / errors[13]) / 0.3
-    # the estimate is within a tenth of the surface's stiffness, and the inner loop takes its own 1/120 s
-    assert rate == pytest.approx(factor * FORCE["bandwidth"], rel=0.15)
+    rate, inner = np.log(errors[7] / errors[11]) / 0.2, np.sqrt(FORCE["proportional_gain"])
+    # the slowest root of s (1 + s/p)^2 + ω_c = 0, p the inner loop's double pole; the estimated stiffness, the
+    # sampling and what is left of the other roots make a few percent
+    assert rate * (1.0 - rate / inner) ** 2 == pytest.approx(factor * FORCE["bandwidth"], rel=0.05)
 
 
 def test_what_a_law_reads_follows_the_action_with_its_time_constant() -> None:
