@@ -18,7 +18,8 @@ from docs.action_modes_page import action_modes_page, modes_of
 from docs.tables import NOTE, numbers, table
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.cli import app
-from prp_gym.comparison.audit import GAUGES, LEAST_CORRELATION
+from prp_gym.comparison.audit import LEAST_CORRELATION
+from prp_gym.comparison.gauges import GAUGES
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
 from prp_gym.envs.data import load_scenario
 from prp_gym.evaluation.metric import Metric
@@ -250,14 +251,20 @@ def _physical_errors() -> str:
     """Against which errors `prp-gym compare` checks the rewards, and why these."""
     rows = []
     for environment_id, gauge in GAUGES.items():
-        parts = [*gauge.parts.items(), *gauge.ties.items()]
-        units = "; ".join(", ".join(f"{value:g}" for value in scale) for _, scale in parts)
+        units = "; ".join(", ".join(f"{value:g}" for value in scale) for scale in gauge.parts.values())
         rows.append((f"`{environment_id}`", gauge.name, units, gauge.reason))
     text = (
         "`prp-gym compare` tells the rank correlation between score and smallness of a physical error, over"
-        f" all policies of a task and scenario, and flags it below {LEAST_CORRELATION:g}. The error is the"
-        " norm of these metrics, each in units of what counts the same (SI units), and its median over the"
-        " episodes; after a divergence it is infinite.\n\n"
+        " all policies of a task and scenario, with a 95 % bootstrap interval over the episodes, flagged"
+        f" below {LEAST_CORRELATION:g}; `--audit` adds every law with its other gain sets, as policies that"
+        " hardly differ tell nothing. The error is the sum of these metrics, each in units of what counts the"
+        " same (SI units), and, as the score, its interquartile mean over the episodes; after a divergence it"
+        " is infinite.\n\n"
+        "All are means over time of absolute errors: they count how large an error is as well as how long it"
+        " lasts, and have neither the scales nor the kernel of the reward. A root mean square would be that"
+        " of one impact, or of the first distance to the goal, which is the same for all policies; a median"
+        " would leave out what takes less than half of the time, as contact may; an error after the transient"
+        " would leave out the transient.\n\n"
     )
     return text + table(("environment", "error", "in units of", "why"), rows)
 

@@ -12,8 +12,16 @@ import typer
 
 from prp_gym.baselines import BASELINES
 from prp_gym.compared_agents import AgentFile, find_agents
-from prp_gym.compared_pairs import AgentPair, BudgetPair, ComparedPair, LawPair, ZeroPair, find_budget_law
-from prp_gym.comparison.audit import GAUGES
+from prp_gym.compared_pairs import (
+    AgentPair,
+    BudgetPair,
+    ComparedPair,
+    LawPair,
+    ZeroPair,
+    find_budget_law,
+    list_varied,
+)
+from prp_gym.comparison.gauges import GAUGES
 from prp_gym.comparison.learning_plots import draw_learning
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
@@ -67,6 +75,14 @@ def compare_command(
     backend: Annotated[
         str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
     ] = "loky",
+    audit: Annotated[
+        bool,
+        typer.Option(
+            "--audit",
+            help="Play every law also with its other gain sets: the reward is checked over more policies, "
+            "which appear nowhere else.",
+        ),
+    ] = False,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Play also what an interrupted run has finished.")
     ] = False,
@@ -84,6 +100,8 @@ def compare_command(
     agents = find_agents(ids, agent or [])
     pairs = list_compared(list(itertools.product(ids, scenarios)), laws, agents, episodes, seed)
     _check_used(baseline or [], pairs)
+    if audit:
+        pairs += [item for pair in pairs if isinstance(pair, LawPair) for item in list_varied(pair)]
     finished = FinishedPairs(output / "pairs")
     for folder in (output, output / "pairs"):
         prepare_folder(folder)
@@ -178,6 +196,10 @@ def _show(outcome: Outcome, output: Path, busy: bool) -> None:
             "itself has measured, in the scenario named; violations: in all of the training."
         )
     console.print(audit_table(outcome.audits))
+    notes.append(
+        "rank correlation: over policies, between score and smallness of the physical error; its 95 % "
+        "interval is over episodes. Of policies that hardly differ it is chance: --audit plays more of them."
+    )
     notes += [f"{gauge_name}: {reason}." for gauge_name, reason in _reasons(outcome)]
     if busy:
         notes.append(

@@ -1,10 +1,10 @@
-"""Pairs of a comparison: laws, laws tuned with a budget, agents, and no torque at all."""
+"""Pairs of a comparison: laws, laws tuned with a budget or varied, agents, and no torque at all."""
 
 import hashlib
 import json
 import re
 from collections.abc import Mapping
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 import prp_gym
 import prp_gym.baselines
 from prp_gym.baselines import make_baseline
+from prp_gym.baselines.gains import gain_sets
 from prp_gym.compared_agents import AgentFile, digest, learning_history
-from prp_gym.comparison.values import AGENT, BUDGET, LAW, ZERO
+from prp_gym.comparison.values import AGENT, BUDGET, LAW, VARIED, ZERO
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import evaluate
@@ -78,6 +79,32 @@ class LawPair(Pair):
     def play(self) -> Record:
         """See `Playable.play`."""
         return {**super().play(), **_facts(self.law, LAW)}
+
+
+@dataclass(frozen=True)
+class VariedPair(Pair):
+    """A law with another gain set than that which is compared: one more policy to try the reward on."""
+
+    @property
+    def name(self) -> str:
+        """See `Playable.name`."""
+        return f"{super().name}_{self.gains}_{VARIED}"
+
+    def play(self) -> Record:
+        """See `Playable.play`."""
+        return {**super().play(), **_facts(f"{self.law} ({self.gains})", VARIED)}
+
+
+def list_varied(pair: Pair) -> list[VariedPair]:
+    """A law's pair with each of its other gain sets that is stable at the pair's rate."""
+    facts = vars(pair)
+    found = []
+    with closing(make_environment(pair.environment_id, pair.scenario, pair.control_frequency)) as env:
+        for gains in gain_sets(pair.law):
+            with suppress(InvalidValueError):  # refused as unstable at this rate
+                make_baseline(pair.law, env, gains)
+                found.append(VariedPair(**{**facts, "gains": gains}))
+    return [item for item in found if item.gains != pair.gains]
 
 
 @dataclass(frozen=True)
@@ -225,7 +252,7 @@ class AgentPair:
             return _play(policy, env, self, facts)
 
 
-ComparedPair = LawPair | ZeroPair | BudgetPair | AgentPair
+ComparedPair = LawPair | VariedPair | ZeroPair | BudgetPair | AgentPair
 
 
 def _check_digest(path: str, found: str, expected: str) -> None:

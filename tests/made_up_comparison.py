@@ -39,6 +39,7 @@ def record(
         "score": values[:, None],
         "divergence": np.zeros((len(values), 1)),
         "joint_rmse": error * [1.0, 0.5, 2.0],
+        "joint_mean_error": error * [1.0, 0.5, 2.0],
         "energy": 20.0 + error,
     }
     plain = {

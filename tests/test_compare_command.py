@@ -117,6 +117,21 @@ def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
     assert [len(audit["policies"]) for audit in content["audits"]] == [len(POLICIES)] * 2
 
 
+def test_audit_plays_every_law_also_with_its_other_stable_gains(tmp_path: Path) -> None:
+    content, output, _ = run(tmp_path / "out", "--scenario", "report", "--audit")
+    varied = {row["policy"]: row for row in content["evaluations"] if row["kind"] == "varied"}
+    pd, inverse = LAWS
+    # figures of joint_pd are unstable at 500 Hz
+    names = {f"{pd} (report)", f"{pd} (tuned_50hz)"}
+    names |= {f"{inverse} ({gains})" for gains in ("report", "figures", "fast", "tuned_50hz")}
+    assert set(varied) == names
+    assert varied[f"{pd} (report)"]["settings"]["gains"] == "report"
+    (audit,) = content["audits"]
+    assert set(audit["policies"]) == {*POLICIES, *names}
+    assert f"{pd} (report)" not in output
+    assert content["aggregates"] == run(tmp_path / "other", "--scenario", "report")[0]["aggregates"]
+
+
 def test_deterministic_scenario_is_played_once_and_nothing_learned_leaves_no_curves(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

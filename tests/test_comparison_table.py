@@ -102,9 +102,18 @@ def test_aggregate_tells_the_law_on_the_same_tasks(outcome: Outcome) -> None:
 
 def test_audit_is_flagged_below_the_least_correlation() -> None:
     good = [record(name, [score]) for name, score in (("a", 0.9), ("b", 0.8), ("c", 0.2))]
-    assert cells(audit_table(Outcome.of(good, 0).audits), "joint_rmse")[-2:] == ["3", "1.00"]
-    good[0]["episodes"]["joint_rmse"] = [[9.0, 9.0, 9.0]]
-    assert cells(audit_table(Outcome.of(good, 0).audits), "joint_rmse")[-3:] == ["3", "-0.50", "!"]
+    row = cells(audit_table(Outcome.of(good, 0).audits), "joint_mean_error")
+    assert row[-4:] == ["3", "1.00", "1.00", "1.00"]  # of one episode the interval is the point
+    good[0]["episodes"]["joint_mean_error"] = [[9.0, 9.0, 9.0]]
+    row = cells(audit_table(Outcome.of(good, 0).audits), "joint_mean_error")
+    assert row[-5:] == ["3", "-0.50", "-0.50", "-0.50", "!"]
+
+
+def test_varied_policies_are_in_the_audit_alone() -> None:
+    records = [record("a", [0.5]), record("a (report)", [0.4], "varied"), record("b", [0.3])]
+    outcome = Outcome.of(records, 0)
+    assert "(report)" not in printed(place_table(outcome.places[0], 0))
+    assert cells(audit_table(outcome.audits), "joint_mean_error")[-4] == "3"
 
 
 def test_long_name_is_broken_where_it_may() -> None:

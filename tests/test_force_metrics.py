@@ -58,6 +58,17 @@ def test_force_that_is_there_from_the_start_has_settled_at_once() -> None:
     assert m.force_settling_time(TIME, press(1), DESIRED) == pytest.approx(0.0, abs=ROUNDING)
 
 
+def test_deviation_counts_across_the_desired_force_alone() -> None:
+    force = np.tile([0.0, -2.0, 0.0], (4, 1))
+    desired = np.zeros((4, 3))
+    actual = np.array([[0.0, 5.0, 0.0], [3.0, -7.0, 4.0], [0.0, 0.0, -1.0], [2.0, 1.0, 0.0]])
+    assert m.mean_deviation_across(actual, desired, force) == pytest.approx((0.0 + 5.0 + 1.0 + 2.0) / 4)
+    tilted = np.tile([3.0, 4.0, 0.0], (4, 1))  # along (0.6, 0.8, 0); across it is (0.8, -0.6, 0)
+    slid = np.tile([0.08, -0.06, 0.0], (4, 1)) + np.outer([1.0, 2.0, 3.0, 4.0], [0.6, 0.8, 0.0])
+    assert m.mean_deviation_across(slid, desired, tilted) == pytest.approx(0.1)
+    assert np.isnan(m.mean_deviation_across(actual, desired, 0.0 * force))
+
+
 def test_force_along_the_desired_one_is_what_counts() -> None:
     rubbing = press(20) + 3.0 * ACROSS  # friction that nobody asked for or against
     values = force_values(rubbing)

@@ -55,7 +55,7 @@ class Outcome:
             duels=tuple(compare_best(places, seed)),
             aggregates=tuple(aggregate_tasks(places, seed)),
             efforts=tuple(learning_efforts(places)),
-            audits=tuple(audit_rewards(places)),
+            audits=tuple(audit_rewards(places, seed)),
             seed=seed,
         )
 
@@ -77,10 +77,7 @@ class Outcome:
                 "duels": [_duel(duel) for duel in self.duels],
                 "aggregates": [_aggregate(item) for item in self.aggregates],
                 "efforts": self.efforts,
-                "audits": [
-                    {**vars(audit), "policies": dict(audit.policies), "flagged": audit.flagged}
-                    for audit in self.audits
-                ],
+                "audits": [_audit(audit) for audit in self.audits],
             }
         )
         return plain
@@ -109,6 +106,11 @@ def _duel(duel: Duel) -> dict[str, Any]:
         "apart": duel.apart,
         "verdict": duel.verdict,
     }
+
+
+def _audit(audit: Audit) -> dict[str, Any]:
+    changed = {"policies": dict(audit.policies), "correlation": audit.correlation._asdict()}
+    return {**vars(audit), **changed, "flagged": audit.flagged}
 
 
 def _aggregate(item: Aggregate) -> dict[str, Any]:

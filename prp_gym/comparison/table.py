@@ -10,7 +10,7 @@ from rich.table import Table
 from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
 from prp_gym.comparison.effort import Effort
 from prp_gym.comparison.statistics import Aggregate, Duel, estimate_score, training_spread
-from prp_gym.comparison.values import AGENT, Entry, Place
+from prp_gym.comparison.values import AGENT, VARIED, Entry, Place
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.robot.arrays import Array
@@ -38,14 +38,14 @@ def fold(name: str, width: int = _WIDEST_NAME) -> str:
 
 
 def place_table(place: Place, seed: int) -> Table:
-    """All policies of a place, best score first, with medians of the metrics.
+    """The policies of a place, best score first and without varied ones, with medians of the metrics.
 
     Args:
         place: with its policies.
         seed: of the bootstrap.
     """
     title = f"{place.environment_id}, scenario {place.scenario}"
-    rows = [_row(entry, len(place.seeds), seed) for entry in place.entries]
+    rows = [_row(entry, len(place.seeds), seed) for entry in place.entries if entry.kind != VARIED]
     return evaluation_table(title, rows, "policy", "µs")
 
 
@@ -114,15 +114,15 @@ def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
 def audit_table(audits: Iterable[Audit]) -> Table:
     """Reward against physical error, flagged where they disagree."""
     table = _make("reward against physical error", ("environment", "scenario", "physical error"))
-    _add(table, "policies", "rank\ncorrelation", f"below\n{LEAST_CORRELATION}")
+    _add(table, "policies", "rank\ncorrelation", "95 %\ninterval", f"below\n{LEAST_CORRELATION}")
     for item in audits:
-        correlation = _ABSENT if math.isnan(item.correlation) else f"{item.correlation:.2f}"
+        value, low, high = item.correlation
         table.add_row(
             short_id(item.environment_id),
             item.scenario,
-            fold(item.measure, 56),
+            fold(item.measure, 44),
             str(len(item.policies)),
-            correlation,
+            *((_ABSENT, _ABSENT) if math.isnan(value) else (f"{value:.2f}", f"{low:.2f} {high:.2f}")),
             "!" if item.flagged else "",
         )
     return table

@@ -12,12 +12,13 @@ from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]
 
-LAW, BUDGET, AGENT, ZERO = "law", "budget", "agent", "zero"
+LAW, BUDGET, AGENT, ZERO, VARIED = "law", "budget", "agent", "zero", "varied"
 KINDS = {
     LAW: "a control law with its tuned gains",
     BUDGET: "a control law, tuned with a budget of simulated time as an agent's training has one",
     AGENT: "a learned policy",
     ZERO: "no torque at all, the control",
+    VARIED: "a control law with another gain set, for the audit of the reward alone",
 }
 """Kinds of policies."""
 

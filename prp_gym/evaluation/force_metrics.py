@@ -10,6 +10,7 @@ from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.response import (
     SETTLING_BAND,
     is_constant,
+    mean_absolute_error,
     root_mean_square_error,
     steady_state_error,
     time_inside_for_good,
@@ -40,6 +41,28 @@ def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
     magnitude = np.sqrt((desired**2).sum(axis=-1, keepdims=True))
     direction = desired / np.where(magnitude > 0.0, magnitude, np.nan)
     return (force * direction).sum(axis=-1, keepdims=True), magnitude
+
+
+def mean_deviation_across(actual: Array, desired: Array, force: Array) -> Array:
+    """Mean over time of the tip's distance to the desired position, measured across the desired force.
+
+    Pressing moves the tip along the force; what is left lies in the plane in which the position is kept.
+
+    Args:
+        actual: (..., T, 3) of the tip [m].
+        desired: (..., T, 3) [m].
+        force: desired, (..., T, 3) [N].
+
+    Returns:
+        (...) [m]; NaN where no force is desired.
+
+    Source: [S] 9.4, the directions of force and of motion.
+    """
+    deviation = desired - actual
+    along, magnitude = along_desired(deviation, force)
+    across = deviation - along * force / np.where(magnitude > 0.0, magnitude, np.nan)
+    mean: Array = np.sqrt((across**2).sum(axis=-1)).mean(axis=-1)
+    return mean
 
 
 def _is_force_step(desired: Array) -> NDArray[np.bool_]:
@@ -135,6 +158,12 @@ def _injected_energy(rollout: Rollout) -> Array:
     return injected_energy(fields["contact_force"], desired, actual, rollout.period)
 
 
+def _deviation_across(rollout: Rollout) -> Array:
+    fields = rollout.fields
+    actual, desired = fields["end_effector_pose"][..., :3], fields["desired_pose"][..., :3]
+    return mean_deviation_across(actual, desired, fields["desired_force"])
+
+
 _FIELDS = ("contact_force", "desired_force")
 
 FORCE_METRICS: tuple[Metric, ...] = (
@@ -145,6 +174,22 @@ FORCE_METRICS: tuple[Metric, ...] = (
         _FIELDS,
         lambda r: root_mean_square_error(*along_desired(*_forces(r))),
         "root mean square tracking error",
+    ),
+    Metric(
+        "force_mean_error",
+        ("N",),
+        "mean over time of the absolute force error along the desired force",
+        _FIELDS,
+        lambda r: mean_absolute_error(*along_desired(*_forces(r))),
+        "mean absolute error; times the duration, IAE",
+    ),
+    Metric(
+        "surface_mean_error",
+        ("m",),
+        "mean over time of the tip's distance to the desired position, across the desired force",
+        ("end_effector_pose", "desired_pose", "desired_force"),
+        lambda r: np.atleast_1d(_deviation_across(r)),
+        "mean absolute error; times the duration, IAE",
     ),
     Metric(
         "steady_state_force_error",

@@ -7,6 +7,7 @@ from prp_gym.evaluation.response import (
     SETTLING_BAND,
     is_constant,
     maximum_error,
+    mean_absolute_error,
     root_mean_square_error,
     steady_state_error,
     time_inside_for_good,
@@ -74,6 +75,14 @@ JOINT_METRICS: tuple[Metric, ...] = (
         _FIELDS,
         lambda r: root_mean_square_error(*_joints(r)),
         "root mean square tracking error",
+    ),
+    JointMetric(
+        "joint_mean_error",
+        _UNITS,
+        "mean over time of each joint's absolute tracking error",
+        _FIELDS,
+        lambda r: mean_absolute_error(*_joints(r)),
+        "mean absolute error; times the duration, IAE",
     ),
     JointMetric(
         "joint_maximum_error",

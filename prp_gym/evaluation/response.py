@@ -34,6 +34,15 @@ def root_mean_square_error(actual: Array, desired: Array) -> Array:
     return root_mean_square(desired - actual)
 
 
+def mean_absolute_error(actual: Array, desired: Array) -> Array:
+    """Mean over time of the error's absolute value; arguments as in `root_mean_square_error`.
+
+    Times the duration it is the integral of the absolute error, IAE.
+    """
+    mean: Array = np.abs(desired - actual).mean(axis=-2)
+    return mean
+
+
 def maximum_error(actual: Array, desired: Array) -> Array:
     """Largest absolute error over time; arguments as in `root_mean_square_error`."""
     error: Array = np.abs(desired - actual).max(axis=-2)
@@ -49,6 +58,12 @@ def distance(actual: Array, desired: Array) -> Array:
 def root_mean_square_distance(actual: Array, desired: Array) -> Array:
     """√(mean over time of the error's squared norm): (..., T, d) twice -> (...), same units."""
     mean: Array = np.sqrt(np.mean(distance(actual, desired) ** 2, axis=-1))
+    return mean
+
+
+def mean_distance(actual: Array, desired: Array) -> Array:
+    """Mean over time of the norm of the error: (..., T, d) twice -> (...), same units."""
+    mean: Array = distance(actual, desired).mean(axis=-1)
     return mean
 
 
