@@ -18,7 +18,7 @@ from prp_gym.cli import app
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import evaluate
-from prp_gym.evaluation.results import to_plain, write_json
+from prp_gym.evaluation.results import to_array, to_plain, write_json
 from prp_gym.pairs import Playable, Played, play_pair
 from prp_gym.tuning import TunedLaw, Validation, tuned_law
 from tests.made_up_agents_to_compare import save
@@ -26,6 +26,7 @@ from tests.made_up_agents_to_compare import save
 RUNNER = CliRunner()
 ID = "PRP-JointTracking-v0"
 WIDTH = 120
+ROUNDING = 1e-12  # of a few sums and quotients in double precision
 LAWS = ("joint_pd", "joint_inverse_dynamics")
 GAINS = {"proportional_gain": [50.0, 500.0, 50.0], "derivative_gain": [15.0, 150.0, 15.0]}
 TUNED = TunedLaw(
@@ -130,6 +131,7 @@ def test_agent_acts_in_the_mode_and_at_the_rate_of_its_training(tmp_path: Path) 
     expected = evaluate(policy, env, 3, 0)
     env.close()
     assert row["episodes"] == to_plain(expected.metrics)
+    assert np.count_nonzero(expected.metrics["divergence"]) == 0
     assert (row["mode"], row["kind"], row["training_seed"]) == ("joint_position", "agent", 4)
     assert row["history"]["control_frequency"] == 100.0
 
@@ -160,6 +162,14 @@ def test_audit_plays_every_law_also_with_its_other_stable_gains(tmp_path: Path) 
     assert varied[f"{pd} (report)"]["settings"]["gains"] == "report"
     (audit,) = content["audits"]
     assert set(audit["policies"]) == {*POLICIES, *names}
+    for name, row in varied.items():  # of the one episode
+        assert audit["policies"][name][0] == pytest.approx(row["episodes"]["score"][0][0], rel=ROUNDING)
+    values = to_array(list(audit["policies"].values()))
+    ranks = np.argsort(np.argsort(values, axis=0), axis=0)  # no two policies are alike
+    spearman = np.corrcoef(ranks[:, 0], -ranks[:, 1])[0, 1]
+    assert audit["correlation"]["value"] == pytest.approx(spearman, rel=ROUNDING)
+    row_of_audit = output.partition("reward against physical error")[2].partition("JointTracking")[2].split()
+    assert row_of_audit[:4] == ["report", "joint_mean_error", str(len(values)), f"{spearman:.2f}"]
     assert f"{pd} (report)" not in output
     assert content["aggregates"] == run(tmp_path / "other", "--scenario", "report")[0]["aggregates"]
 
