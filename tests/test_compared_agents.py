@@ -56,6 +56,16 @@ def test_file_is_named_with_or_without_suffix(tmp_path: Path, suffix: str) -> No
     assert (agent.group, agent.path, agent.sha256) == ("mine", str(stem), digest(stem))
 
 
+def test_path_is_a_path_even_where_it_reads_as_a_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name = f"{ID}/ppo_torque_seed_0"
+    save(tmp_path / "trained" / name, seed=0)
+    save(tmp_path / "own" / name, seed=5)
+    monkeypatch.chdir(tmp_path / "own")
+    assert [agent.training_seed for agent in find_agents([ID], [Path(name)])] == [0, 5]
+
+
 def test_groups_of_one_name_are_told_apart(tmp_path: Path) -> None:
     save(tmp_path / "trained" / ID / "ppo_torque_seed_0")
     run = tmp_path / "runs" / ID / "ppo_torque"
