@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep train clean
+.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep train compare clean
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
@@ -33,6 +33,9 @@ train: $(VENV)/.agents
 	$(BIN)/prp-gym train --shipped
 	$(BIN)/prp-gym ship
 
+compare: $(VENV)/.core
+	$(BIN)/prp-gym compare
+
 sweep: $(VENV)/.dev
 	$(BIN)/python -m bench.sweep_gains
 
@@ -43,7 +46,7 @@ pictures: $(VENV)/.dev
 	$(BIN)/python -m docs.pictures
 
 clean:
-	rm -rf $(VENV) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results
+	rm -rf $(VENV) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -18,7 +18,7 @@ from prp_gym.compared_pairs import (
     ComparedPair,
     LawPair,
     ZeroPair,
-    find_budget_law,
+    find_tuned_laws,
     list_varied,
 )
 from prp_gym.comparison.gauges import GAUGES
@@ -145,10 +145,8 @@ def list_compared(
         pairs += [LawPair(**vars(pair)) for pair in own]
         with closing(make_environment(environment_id, scenario, _FREQUENCY)) as made:
             count = episodes_to_play(made, episodes)
-        for law in (pair.law for pair in own):
-            path, sha256 = find_budget_law(environment_id, law)
-            if path:
-                pairs.append(BudgetPair(environment_id, scenario, law, path, sha256, count, seed))
+        tuned = find_tuned_laws(environment_id, [pair.law for pair in own])
+        pairs += [BudgetPair(law, scenario, count, seed) for law in tuned]
         pairs += [
             AgentPair(item, scenario, count, seed) for item in agents if item.environment_id == environment_id
         ]

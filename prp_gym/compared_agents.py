@@ -2,20 +2,17 @@
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import prp_gym
-import prp_gym.agents
+from prp_gym.agents import agent_file
+from prp_gym.agents.agent_card import AgentCard
+from prp_gym.agents.agent_file import CARD, TENSORS, list_agents, list_seeds, load_agent
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 
-TRAINED = Path(str(prp_gym.agents.__file__)).parent / "trained"
-"""Agents that come with the package, a folder an environment."""
-
-_TENSORS, _CARD = ".safetensors", ".json"
 _RUN = "agent"  # name of the files in the folder of a training seed
 _SEED = re.compile(r"_seed_\d+$")
 
@@ -49,46 +46,41 @@ class AgentFile:
         Raises:
             PRPError: files that are missing, damaged or no agent.
         """
-        card = prp_gym.load_agent(str(path)).card
+        card = load_agent(path).card
         return cls(
             path=str(path),
             sha256=digest(path),
             group=group,
-            environment_id=card.interface.environment_id,
+            environment_id=card.environment_id,
             mode=card.action_mode,
             control_frequency=card.control_frequency,
-            training_seed=int(card.run.seed),
+            training_seed=card.seed,
         )
 
 
 def digest(path: Path) -> str:
     """SHA-256 over the numbers and the card of an agent, by the path of its files without suffix."""
     found = hashlib.sha256()
-    for suffix in (_TENSORS, _CARD):
+    for suffix in (TENSORS, CARD):
         content = Path(f"{path}{suffix}").read_bytes()
         found.update(f"{suffix}\0{len(content)}\0".encode())
         found.update(content)
     return found.hexdigest()
 
 
-def learning_history(card: Any) -> dict[str, Any]:
+def learning_history(card: AgentCard) -> dict[str, Any]:
     """How an agent's held-out score grew in training, as a record holds it."""
-    keywords, points = card.interface.keywords, card.run.curve
+    points = card.run.curve
     if not points:
         return {}
     return {
-        "scenario": str(keywords.get("scenario", EnvConfig.scenario)),
-        "control_frequency": float(keywords.get("control_frequency", EnvConfig.control_frequency)),
+        "scenario": str(card.interface.keywords.get("scenario", EnvConfig.scenario)),
+        "control_frequency": card.control_frequency,
         "steps": [point.steps for point in points],
         "seconds": [point.seconds for point in points],
         "score": [point.score for point in points],
-        "violations": [_total(point.violations) for point in points],
+        "violations": [float(sum(point.violations.values())) for point in points],
     }
-
-
-def _total(violations: float | Mapping[str, float]) -> float:
-    """A count, or the sum of counts of several kinds."""
-    return float(sum(violations.values()) if isinstance(violations, Mapping) else violations)
 
 
 def find_agents(environment_ids: Sequence[str], paths: Sequence[Path]) -> list[AgentFile]:
@@ -119,27 +111,29 @@ def find_agents(environment_ids: Sequence[str], paths: Sequence[Path]) -> list[A
 
 def _shipped(environment_ids: Sequence[str]) -> Iterable[tuple[str, list[Path]]]:
     for environment_id in environment_ids:
-        groups: dict[str, list[Path]] = {}
-        for card in sorted((TRAINED / environment_id).glob(f"*{_CARD}")):
-            stem = card.with_name(card.name.removesuffix(_CARD))
-            groups.setdefault(_SEED.sub("", stem.name), []).append(stem)
-        yield from groups.items()
+        for name in list_agents(environment_id):
+            group = name.removeprefix(f"{environment_id}/")
+            yield group, [agent_file.TRAINED / seed for seed in list_seeds(name)]
 
 
 def _given(path: Path) -> tuple[str, list[Path]]:
-    """Name and agents of a path that was asked for."""
+    """Name and agents of a path that was asked for.
+
+    Raises:
+        InvalidValueError: there are none.
+    """
     if path.is_dir():
-        stems = [card.with_name(_RUN) for card in sorted(path.glob(f"seed_*/{_RUN}{_CARD}"))]
-        if (path / f"{_RUN}{_CARD}").is_file():  # the folder of one training seed
+        stems = [card.with_name(_RUN) for card in sorted(path.glob(f"seed_*/{_RUN}{CARD}"))]
+        if (path / f"{_RUN}{CARD}").is_file():  # the folder of one training seed
             return path.resolve().parent.name, [path / _RUN]
         name = path.resolve().name
     else:
-        stem = path.with_name(path.name.removesuffix(_TENSORS).removesuffix(_CARD))
-        stems = [stem] if stem.with_name(f"{stem.name}{_CARD}").is_file() else []
+        stem = path.with_name(path.name.removesuffix(TENSORS).removesuffix(CARD))
+        stems = [stem] if stem.with_name(f"{stem.name}{CARD}").is_file() else []
         run = stem.resolve().parent  # seed_<k> in a run's folder
         name = run.parent.name if stem.name == _RUN else _SEED.sub("", stem.name)
     if not stems:
-        allowed = f"an agent's {_TENSORS} and {_CARD}, or a folder with seed_*/{_RUN}{_TENSORS}"
+        allowed = f"an agent's {TENSORS} and {CARD}, or a folder with seed_*/{_RUN}{TENSORS}"
         raise InvalidValueError("agent", str(path), allowed)
     return name, stems
 

@@ -1,9 +1,7 @@
 """Pairs of a comparison: laws, laws tuned with a budget or varied, agents, and no torque at all."""
 
-import hashlib
-import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,8 +11,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-import prp_gym
-import prp_gym.baselines
+from prp_gym.agents.agent_file import load_agent
 from prp_gym.baselines import make_baseline
 from prp_gym.baselines.gains import gain_sets
 from prp_gym.compared_agents import AgentFile, digest, learning_history
@@ -25,9 +22,7 @@ from prp_gym.evaluation.evaluate import evaluate
 from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.rollout import Policy
 from prp_gym.pairs import Pair, Record, make_environment
-
-EQUAL_BUDGET = Path(str(prp_gym.baselines.__file__)).parent / "equal_budget"
-"""Laws that come with the package, tuned with a budget."""
+from prp_gym.tuning import TunedLaw, list_tuned_laws, load_tuned_law
 
 TORQUE = EnvConfig.action_mode
 UNTRAINED = -1
@@ -139,70 +134,71 @@ class ZeroPair:
 
 @dataclass(frozen=True)
 class BudgetPair:
-    """A law with the settings of a file that tuning with a budget has written.
+    """A law with the settings that tuning with a budget has found, at the rate at which it found them.
 
     Attributes:
-        environment_id: for `gymnasium.make`.
+        tuned: the law, and how it was tuned.
         scenario: of the environment.
-        law: a baseline.
-        path: of the file.
-        sha256: of the file.
         episodes: that are played.
         seed: of the first episode.
     """
 
-    environment_id: str
+    tuned: TunedLaw
     scenario: str
-    law: str
-    path: str
-    sha256: str
     episodes: int
     seed: int
 
     @property
+    def environment_id(self) -> str:
+        """See `Playable.environment_id`."""
+        return self.tuned.environment
+
+    @property
     def name(self) -> str:
         """See `Playable.name`."""
-        return f"{self.environment_id}_{self.scenario}_{self.law}_{BUDGET}"
+        return f"{self.environment_id}_{self.scenario}_{self.tuned.law}_{BUDGET}"
 
     def play(self) -> Record:
         """See `Playable.play`."""
-        content = Path(self.path).read_bytes()
-        _check_digest(self.path, hashlib.sha256(content).hexdigest(), self.sha256)
-        tuned = json.loads(content)
-        frequency = float(tuned["control_frequency"])
-        history = {
-            "scenario": tuned["scenario"],
-            "control_frequency": frequency,
-            "steps": [steps for steps, _ in tuned["history"]],
-            "seconds": [np.nan] * len(tuned["history"]),
-            "score": [score for _, score in tuned["history"]],
-            "violations": [np.nan] * len(tuned["history"]),
-        }
+        tuned = self.tuned
         facts = {
-            **_facts(f"{self.law} ({BUDGET})", BUDGET),
-            "settings": tuned["settings"],
-            "history": history,
-            "sha256": self.sha256,
+            **_facts(f"{tuned.law} ({BUDGET})", BUDGET),
+            "settings": tuned.settings,
+            "history": _tuning_history(tuned),
         }
-        with closing(make_environment(self.environment_id, self.scenario, frequency)) as env:
-            return _play(make_baseline(self.law, env, "tuned", **tuned["settings"]), env, self, facts)
+        with closing(make_environment(self.environment_id, self.scenario, tuned.control_frequency)) as env:
+            return _play(tuned.make(env), env, self, facts)
 
 
-def find_budget_law(environment_id: str, law: str) -> tuple[str, str]:
-    """Path and SHA-256 of the file of a law tuned with a budget; empty where none comes with the package.
+def _tuning_history(tuned: TunedLaw) -> dict[str, Any]:
+    """How the best score grew in tuning; times and violations are not known."""
+    unknown = [np.nan] * len(tuned.history)
+    return {
+        "scenario": tuned.scenario,
+        "control_frequency": tuned.control_frequency,
+        "steps": [steps for steps, _ in tuned.history],
+        "seconds": unknown,
+        "score": [score for _, score in tuned.history],
+        "violations": unknown,
+    }
+
+
+def find_tuned_laws(environment_id: str, laws: Sequence[str]) -> list[TunedLaw]:
+    """Those of some laws that come with the package as tuned with a budget on an environment.
 
     Raises:
-        InvalidValueError: the file is of another law or environment.
+        InvalidValueError: a file that is damaged, or of another law or environment than its name says.
     """
-    path = EQUAL_BUDGET / f"{environment_id}_{law}.json"
-    if not path.is_file():
-        return "", ""
-    content = path.read_bytes()
-    tuned = json.loads(content)
-    if (tuned["environment"], tuned["law"]) != (environment_id, law):
-        found = f"{tuned['law']} on {tuned['environment']}"
-        raise InvalidValueError(f"content of {path}", found, f"{law} on {environment_id}")
-    return str(path), hashlib.sha256(content).hexdigest()
+    names = list_tuned_laws(environment_id)
+    found = []
+    for name in (f"{environment_id}/{law}" for law in laws):
+        if name in names:
+            tuned = load_tuned_law(name)
+            held = f"{tuned.environment}/{tuned.law}"
+            if held != name:
+                raise InvalidValueError(f"content of tuned law {name!r}", held, name)
+            found.append(tuned)
+    return found
 
 
 @dataclass(frozen=True)
@@ -239,8 +235,9 @@ class AgentPair:
             InvalidValueError: the agent's files have changed since the pair was made.
         """
         agent = self.agent
-        _check_digest(agent.path, digest(Path(agent.path)), agent.sha256)
-        policy = prp_gym.load_agent(agent.path)
+        path = Path(agent.path)  # not a name, which may be that of another
+        _check_digest(agent.path, digest(path), agent.sha256)
+        policy = load_agent(path)
         facts = {
             **_facts(agent.group, AGENT, agent.mode),
             "training_seed": agent.training_seed,

@@ -42,11 +42,17 @@ RUN = Run(
 
 
 @cache
-def layout_of(environment_id: str) -> ObservationLayout:
-    env = gymnasium.make(environment_id)
+def spaces_of(environment_id: str, action_mode: str = "torque") -> tuple[ObservationLayout, int]:
+    """The observation's layout, and the size of an action."""
+    env = gymnasium.make(environment_id, action_mode=action_mode)
     layout: ObservationLayout = env.get_wrapper_attr("observation_layout")
+    (size,) = env.action_space.shape or ()
     env.close()
-    return layout
+    return layout, size
+
+
+def layout_of(environment_id: str) -> ObservationLayout:
+    return spaces_of(environment_id)[0]
 
 
 def score(value: float) -> Score:
@@ -54,22 +60,29 @@ def score(value: float) -> Score:
 
 
 def made_up_policy(
-    scores: Mapping[str, float] | None = None, memory: tuple[int, ...] = (), seed: int = 0
+    scores: Mapping[str, float] | None = None,
+    memory: tuple[int, ...] = (),
+    seed: int = 0,
+    environment_id: str = ID,
+    keywords: Mapping[str, Any] = KEYWORDS,
+    run: Run = RUN,
 ) -> LearnedPolicy:
-    """A policy of tracking features with a random network of one hidden layer of 4."""
+    """A policy of tracking features with a random network, drawn by `seed`, of one hidden layer of 4."""
     rng = np.random.default_rng(seed)
-    features = TrackingFeatures(layout_of(ID))
-    shape = NetworkShape(features.size, memory, (4,), 3, "tanh", "clip")
+    layout, outputs = spaces_of(environment_id, keywords["action_mode"])
+    features = TrackingFeatures(layout)
+    shape = NetworkShape(features.size, memory, (4,), outputs, "tanh", "clip")
     tensors = {
         name: rng.normal(scale=0.3, size=size).astype(np.float32)
         for name, size in shape.tensor_shapes().items()
     }
-    observation = tuple(Part(part.name, part.shape[0]) for part in layout_of(ID).fields)
+    observation = tuple(Part(part.name, part.shape[0]) for part in layout.fields)
+    action = tuple(Part(name, size) for name, size in (("near", 1), ("far", outputs - 1)) if size)
     card = AgentCard(
-        interface=Interface(ID, KEYWORDS, observation, features.names, (Part("near", 1), Part("far", 2))),
+        interface=Interface(environment_id, keywords, observation, features.names, action),
         algorithm="RecurrentPPO" if memory else "PPO",
         network=shape,
-        run=RUN,
+        run=run,
         scores={name: score(value) for name, value in (scores or {}).items()},
         versions={"python": "3.11.0"},
         sha256="",

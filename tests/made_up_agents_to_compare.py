@@ -1,80 +1,49 @@
-"""Tiny agents in files, with a stand-in for what reads them: each always does the same."""
+"""Small agents in files, for comparisons: random networks with a training that nobody did."""
 
-import json
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
-import gymnasium
 import numpy as np
-import pytest
-from numpy.typing import NDArray
 
-import prp_gym
-from prp_gym.errors import InvalidValueError
+from prp_gym.agents.agent_card import CurvePoint
+from prp_gym.agents.agent_file import save_agent
+from prp_gym.agents.learned_policy import LearnedPolicy
+from prp_gym.agents.network import Network
+from tests.made_up_agents import RUN, made_up_policy
 
-CURVE = [
-    {"steps": 1000, "seconds": 6.0, "score": 0.05, "violations": 2.0},
-    {"steps": 2000, "seconds": 12.0, "score": 0.999, "violations": 3.0},
-]
-
-
-class ConstantAgent:
-    """An agent that does the same whatever it observes."""
-
-    def __init__(self, plain: dict[str, Any]) -> None:
-        points = tuple(SimpleNamespace(**point) for point in plain["curve"])
-        self.card = SimpleNamespace(
-            interface=SimpleNamespace(environment_id=plain["environment"], keywords=plain["keywords"]),
-            run=SimpleNamespace(seed=plain["seed"], curve=points),
-        )
-        self._action = np.array(plain["action"], dtype=np.float32)
-
-    def predict(
-        self,
-        observation: NDArray[Any],
-        state: Any = None,
-        episode_start: Any = None,
-        deterministic: bool = True,
-    ) -> tuple[NDArray[np.float32], Any]:
-        return np.broadcast_to(self._action, (*observation.shape[:-1], self._action.size)).copy(), None
-
-    def make_env(self, **overrides: Any) -> gymnasium.Env[Any, Any]:
-        interface = self.card.interface
-        made: gymnasium.Env[Any, Any] = gymnasium.make(
-            interface.environment_id, **{**interface.keywords, **overrides}
-        )
-        return made
-
-
-def load(name_or_path: str) -> ConstantAgent:
-    try:
-        return ConstantAgent(json.loads(Path(f"{name_or_path}.json").read_text(encoding="utf-8")))
-    except (OSError, ValueError) as error:
-        raise InvalidValueError("agent", name_or_path, "a readable one") from error
+CURVE = (
+    CurvePoint(1000, 6.0, 0.05, {"joint_stop": 2.0}),
+    CurvePoint(2000, 12.0, 0.999, {"joint_stop": 2.0, "divergences": 1.0}),
+)
+KEYWORDS: dict[str, Any] = {"scenario": "randomized", "action_mode": "torque", "control_frequency": 50.0}
+GAIN = np.float32(0.05)  # of the last layer: with random torques as large as they may be, an episode diverges
 
 
 def save(
     stem: Path,
-    action: tuple[float, ...] = (0.0, 0.0, 0.0),
     seed: int = 0,
     environment_id: str = "PRP-JointTracking-v0",
+    network: int | None = None,
     **keywords: Any,
 ) -> Path:
-    """Write an agent's two files; the path without suffix."""
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    plain = {
-        "environment": environment_id,
-        "keywords": {"control_frequency": 50.0, "scenario": "randomized", **keywords},
-        "seed": seed,
-        "curve": CURVE,
-        "action": action,
-    }
-    stem.with_name(f"{stem.name}.json").write_text(json.dumps(plain), encoding="utf-8")
-    stem.with_name(f"{stem.name}.safetensors").write_bytes(bytes([seed]))
+    """Write an agent's two files; the path without suffix.
+
+    Args:
+        stem: the path without suffix.
+        seed: of the training, and of the network's random numbers unless `network` is.
+        environment_id: of the agent.
+        network: seed of the network's random numbers.
+        keywords: of the environment, where they are not `KEYWORDS`.
+    """
+    policy = made_up_policy(
+        seed=seed if network is None else network,
+        environment_id=environment_id,
+        keywords={**KEYWORDS, **keywords},
+        run=replace(RUN, seed=seed, curve=CURVE),
+    )
+    shape, tensors = policy.network.shape, policy.network.tensors
+    last = f"layer_{len(shape.hidden)}."
+    mild = {name: tensors[name] * GAIN if name.startswith(last) else tensors[name] for name in tensors}
+    save_agent(LearnedPolicy(policy.card, policy.normalizer, Network(shape, mild)), stem)
     return stem
-
-
-def use_stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let `prp_gym.load_agent` read these files."""
-    monkeypatch.setattr(prp_gym, "load_agent", load, raising=False)

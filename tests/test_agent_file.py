@@ -24,7 +24,7 @@ from tests.agent_files import (
     refusal,
     tensors_of,
 )
-from tests.made_up_agents import ID, layout_of, made_up_policy, observations
+from tests.made_up_agents import ID, RUN, layout_of, made_up_policy, observations
 
 
 @pytest.fixture
@@ -112,9 +112,9 @@ def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def ship(folder: Path, scores: dict[int, float], group: str = f"{ID}/ppo_torque") -> None:
     for seed, value in scores.items():
-        made = made_up_policy({"realistic": value, "report": -value}, seed=seed)
-        card = replace(made.card, run=replace(made.card.run, seed=seed))
-        save_agent(LearnedPolicy(card, made.normalizer, made.network), folder / f"{group}_seed_{seed}")
+        run = replace(RUN, seed=seed)
+        policy = made_up_policy({"realistic": value, "report": -value}, seed=seed, run=run)
+        save_agent(policy, folder / f"{group}_seed_{seed}")
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """A small comparison from the command line: what is played, written, printed, reused and refused."""
 
 import json
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,22 +11,52 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from prp_gym import compared_agents, compared_pairs, play_pairs
-from prp_gym.baselines import make_baseline
+from prp_gym import compared_agents, compared_pairs, load_agent, play_pairs
+from prp_gym.agents import agent_file
+from prp_gym.baselines import BASELINES, make_baseline
 from prp_gym.cli import app
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import evaluate
-from prp_gym.evaluation.results import to_plain
+from prp_gym.evaluation.results import to_array, to_plain, write_json
 from prp_gym.pairs import Playable, Played, play_pair
-from tests.made_up_agents_to_compare import save, use_stand_in
+from prp_gym.tuning import TunedLaw, Validation, tuned_law
+from tests.made_up_agents_to_compare import save
 
 RUNNER = CliRunner()
 ID = "PRP-JointTracking-v0"
 WIDTH = 120
+ROUNDING = 1e-12  # of a few sums and quotients in double precision
 LAWS = ("joint_pd", "joint_inverse_dynamics")
+GAINS = {"proportional_gain": [50.0, 500.0, 50.0], "derivative_gain": [15.0, 150.0, 15.0]}
+TUNED = TunedLaw(
+    environment=ID,
+    law="joint_pd",
+    scenario="randomized",
+    control_frequency=500.0,
+    settings=GAINS,
+    budget_steps=5000,
+    used_steps=5000,
+    simulated_seconds=10.0,
+    trials=2,
+    episodes=5,
+    seconds=1.0,
+    history=((2500, 0.2), (5000, 0.4)),
+    score=0.4,
+    score_of_tuned=0.2,
+    validation=Validation(seed=500_000_000, episodes=5, score=0.4, score_of_tuned=0.2),
+    seed=0,
+    command="prp-gym tune",
+    versions={},
+)
 OPTIONS = ["--env", ID, *(item for law in LAWS for item in ("--baseline", law)), "--episodes", "3"]
 POLICIES = ["joint_pd", "joint_inverse_dynamics", "joint_pd (budget)", "ppo_torque", "zero"]
+
+
+def shipped_in(folder: Path) -> dict[str, Path]:
+    """Tuned laws of a folder in the place of the package's, by name."""
+    paths = {f"{ID}/{law}": folder / f"{ID}_{law}.json" for law in BASELINES}
+    return {name: path for name, path in paths.items() if path.is_file()}
 
 
 @pytest.fixture(autouse=True)
@@ -33,22 +64,12 @@ def small_world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Short episodes, two tiny agents of one group, a tuned law, no terminal."""
     for name in ("FORCE_COLOR", "TTY_COMPATIBLE", "COLUMNS"):
         monkeypatch.delenv(name, raising=False)
-    use_stand_in(monkeypatch)
     monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=0.2))
-    monkeypatch.setattr(compared_agents, "TRAINED", tmp_path / "trained")
-    monkeypatch.setattr(compared_pairs, "EQUAL_BUDGET", tmp_path / "equal_budget")
+    monkeypatch.setattr(agent_file, "TRAINED", tmp_path / "trained")
     for seed in (0, 1):
-        save(tmp_path / "trained" / ID / f"ppo_torque_seed_{seed}", (0.01 * seed, 0.0, 0.1), seed)
-    tuned = {
-        "environment": ID,
-        "law": "joint_pd",
-        "scenario": "randomized",
-        "control_frequency": 500.0,
-        "settings": {"proportional_gain": [50.0, 500.0, 50.0], "derivative_gain": [15.0, 150.0, 15.0]},
-        "history": [[2500, 0.2], [5000, 0.4]],
-    }
-    (tmp_path / "equal_budget").mkdir()
-    (tmp_path / "equal_budget" / f"{ID}_joint_pd.json").write_text(json.dumps(tuned))
+        save(tmp_path / "trained" / ID / f"ppo_torque_seed_{seed}", seed)
+    write_json(tmp_path / "equal_budget" / f"{ID}_joint_pd.json", asdict(TUNED))
+    monkeypatch.setattr(tuned_law, "_shipped", lambda: shipped_in(tmp_path / "equal_budget"))
 
 
 def run(folder: Path, *options: str) -> tuple[dict[str, Any], str, str]:
@@ -87,10 +108,9 @@ def test_policies_are_played_as_the_evaluator_plays_them(tmp_path: Path) -> None
     content, _, _ = run(tmp_path / "out", "--scenario", "randomized", "--seed", "4")
     env = gymnasium.make(ID, scenario="randomized", control_frequency=500.0)
     law = make_baseline("joint_pd", env, "tuned")
-    gains = {"proportional_gain": [50.0, 500.0, 50.0], "derivative_gain": [15.0, 150.0, 15.0]}
     expected = {
         "joint_pd": evaluate(law, env, 3, 4),
-        "joint_pd (budget)": evaluate(make_baseline("joint_pd", env, "tuned", **gains), env, 3, 4),
+        "joint_pd (budget)": evaluate(make_baseline("joint_pd", env, "tuned", **GAINS), env, 3, 4),
     }
     env.close()
     for name, evaluation in expected.items():
@@ -100,6 +120,20 @@ def test_policies_are_played_as_the_evaluator_plays_them(tmp_path: Path) -> None
     assert periods == dict.fromkeys(POLICIES, 0.002) | {"ppo_torque": 0.02}
     (zero,) = (row for row in content["evaluations"] if row["policy"] == "zero")
     assert np.abs(zero["episodes"]["torque_rms"]).max() == 0.0
+
+
+def test_agent_acts_in_the_mode_and_at_the_rate_of_its_training(tmp_path: Path) -> None:
+    stem = save(tmp_path / "mine_seed_4", 4, action_mode="joint_position", control_frequency=100.0)
+    content, _, _ = run(tmp_path / "out", "--scenario", "realistic", "--agent", f"{stem}.safetensors")
+    (row,) = (row for row in content["evaluations"] if row["policy"] == "mine")
+    policy = load_agent(stem)
+    env = policy.make_env(scenario="realistic")
+    expected = evaluate(policy, env, 3, 0)
+    env.close()
+    assert row["episodes"] == to_plain(expected.metrics)
+    assert np.count_nonzero(expected.metrics["divergence"]) == 0
+    assert (row["mode"], row["kind"], row["training_seed"]) == ("joint_position", "agent", 4)
+    assert row["history"]["control_frequency"] == 100.0
 
 
 def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
@@ -128,6 +162,14 @@ def test_audit_plays_every_law_also_with_its_other_stable_gains(tmp_path: Path) 
     assert varied[f"{pd} (report)"]["settings"]["gains"] == "report"
     (audit,) = content["audits"]
     assert set(audit["policies"]) == {*POLICIES, *names}
+    for name, row in varied.items():  # of the one episode
+        assert audit["policies"][name][0] == pytest.approx(row["episodes"]["score"][0][0], rel=ROUNDING)
+    values = to_array(list(audit["policies"].values()))
+    ranks = np.argsort(np.argsort(values, axis=0), axis=0)  # no two policies are alike
+    spearman = np.corrcoef(ranks[:, 0], -ranks[:, 1])[0, 1]
+    assert audit["correlation"]["value"] == pytest.approx(spearman, rel=ROUNDING)
+    row_of_audit = output.partition("reward against physical error")[2].partition("JointTracking")[2].split()
+    assert row_of_audit[:4] == ["report", "joint_mean_error", str(len(values)), f"{spearman:.2f}"]
     assert f"{pd} (report)" not in output
     assert content["aggregates"] == run(tmp_path / "other", "--scenario", "report")[0]["aggregates"]
 
@@ -135,8 +177,8 @@ def test_audit_plays_every_law_also_with_its_other_stable_gains(tmp_path: Path) 
 def test_deterministic_scenario_is_played_once_and_nothing_learned_leaves_no_curves(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(compared_agents, "TRAINED", tmp_path / "none")
-    monkeypatch.setattr(compared_pairs, "EQUAL_BUDGET", tmp_path / "none")
+    monkeypatch.setattr(agent_file, "TRAINED", tmp_path / "none")
+    (tmp_path / "equal_budget" / f"{ID}_joint_pd.json").unlink()
     content, output, _ = run(tmp_path / "out", "--scenario", "report")
     assert [row["seeds"] for row in content["evaluations"]] == [[0]] * 3
     assert not (tmp_path / "out" / "learning.png").exists()
@@ -173,7 +215,7 @@ def test_agent_that_was_trained_anew_is_played_anew(tmp_path: Path, monkeypatch:
     with monkeypatch.context() as patch:
         patch.setattr("prp_gym.finished_pairs.FinishedPairs.remove", lambda *_: None)
         run(tmp_path / "out", "--scenario", "randomized")
-    save(tmp_path / "trained" / ID / "ppo_torque_seed_1", (0.0, 0.0, -0.2), 1)
+    save(tmp_path / "trained" / ID / "ppo_torque_seed_1", 1, network=2)
     _, _, error = run(tmp_path / "out", "--scenario", "randomized")
     assert error == "5 of 6 pairs were finished by an interrupted run and are reused."
 
@@ -218,7 +260,17 @@ def test_tuned_law_in_the_file_of_another_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
     path.rename(path.with_name(f"{ID}_joint_inverse_dynamics.json"))
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
-    assert "joint_pd on PRP-JointTracking-v0" in str(result.exception)
+    assert isinstance(result.exception, InvalidValueError)
+    assert f"is '{ID}/joint_pd'; allowed: {ID}/joint_inverse_dynamics" in str(result.exception)
+
+
+def test_damaged_file_of_a_tuned_law_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
+    path.write_text(path.read_text(encoding="utf-8").replace("trials", "trails"), encoding="utf-8")
+    result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
+    assert isinstance(result.exception, InvalidValueError)
+    assert "joint_pd.json" in str(result.exception)
+    assert not (tmp_path / "out").exists()
 
 
 def test_agents_of_two_groups_are_kept_apart_even_if_their_files_are_alike(tmp_path: Path) -> None:

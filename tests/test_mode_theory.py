@@ -202,8 +202,8 @@ def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
         env.step(action)
         errors.append(3.0 - float(INTO @ env.task.truth_layout.split(env.truth)["contact_force"]))
     rate, inner = np.log(errors[7] / errors[11]) / 0.2, np.sqrt(FORCE["proportional_gain"])
-    # the slowest root of s (1 + s/p)^2 + ω_c = 0, p the inner loop's double pole; the estimated stiffness, the
-    # sampling and what is left of the other roots make a few percent
+    # the slowest root of s (1 + s/p)^2 + ω_c = 0, p the inner loop's double pole; the estimated stiffness,
+    # the sampling and what is left of the other roots make a few percent
     assert rate * (1.0 - rate / inner) ** 2 == pytest.approx(factor * FORCE["bandwidth"], rel=0.05)
 
 
