@@ -21,8 +21,8 @@ _INTRO = f"""What an action means is the keyword `action_mode`, of `gymnasium.ma
 - In mode `{TORQUE}`, the default, it is the joint torques over their limits, held over a control period.
 - In every other mode a law runs inside the environment at {_RATE} Hz, with its `tuned` gains, on what a
   policy would observe. The action steers it, at the `control_frequency`, which must divide {_RATE}.
-- References and gains follow the action with a delay of first order, {SMOOTHING_TIME:g} s: a stiff law would make a
-  blow of every jump. The torques of a residual are added at once.
+- References and gains follow the action with a delay of first order, {SMOOTHING_TIME:g} s: a stiff law would
+  make a blow of every jump. The torques of a residual are added at once.
 - Zero action leaves the law as it is: the episode is, bit for bit, the law's own at {_RATE} Hz.
 - Sensors, actuators, reward and costs work at {_RATE} Hz, as they do for a law on its own. A step's reward,
   its terms and its costs are sums over the law's periods; contact force and time are those at the end.
