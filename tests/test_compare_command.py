@@ -141,7 +141,8 @@ def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
     again = json.loads(json.dumps(Outcome.of(content["evaluations"], 0).to_plain(), allow_nan=False))
     assert {name: content[name] for name in again} == again
     assert set(again) == {"scores", "duels", "aggregates", "efforts", "audits"}
-    (duel, _) = content["duels"]
+    assert [" (budget)" in duel["law"] for duel in content["duels"]] == [False, True] * 2
+    duel = content["duels"][0]
     assert (duel["agent"], duel["verdict"], duel["scenario"]) == ("ppo_torque", "law", "randomized")
     by_kind = {effort["kind"]: effort for effort in content["efforts"]}
     assert by_kind["agent"]["reached"] == 2

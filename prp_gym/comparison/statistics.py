@@ -4,6 +4,7 @@ The best of several policies is chosen on the episodes on which it is then compa
 account for that choice, which favours the side that has more policies to choose from.
 """
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -75,7 +76,7 @@ class Duel:
     Attributes:
         environment_id: of the place.
         scenario: of the place.
-        law: name of the best law, of either kind.
+        law: name of the best law of its kind.
         agent: name of the best agent.
         law_score: its score.
         agent_score: its score.
@@ -106,15 +107,18 @@ class Duel:
 
 
 def compare_best(places: Iterable[Place], seed: int) -> list[Duel]:
-    """The best law against the best agent, at each place that has both.
+    """The best law of either kind against the best agent, at each place that has both.
+
+    A law with its own gains had as much tuning as its author gave it; one that was tuned with a budget had as
+    much as an agent.
 
     Args:
         places: with their policies.
         seed: of the bootstrap.
     """
     duels = []
-    for place in places:
-        laws, agents = place.of_kind(*CLASSICAL), place.of_kind(AGENT)
+    for place, kind in itertools.product(places, CLASSICAL):
+        laws, agents = place.of_kind(kind), place.of_kind(AGENT)
         if laws and agents:
             duels.append(_compare(place, best_of(laws), best_of(agents), seed))
     return duels
