@@ -21,6 +21,7 @@ def test_readme_starts_with_the_commands() -> None:
         "make evaluate",
         "make test",
         "make reproduce",
+        "make compare",
     ]
 
 
