@@ -66,10 +66,15 @@ _FORCE_OFFSET = ActionField(
 
 
 _APPROACH_FACTOR = ActionField(
-    "approach_speed_factor", ("1",), "", (10.0,), "times the law's speed towards a surface", factor=True
+    "approach_speed_factor",
+    ("1",),
+    "along f_d",
+    (10.0,),
+    "times the law's speed towards a surface",
+    factor=True,
 )
 _BANDWIDTH_FACTOR = ActionField(
-    "bandwidth_factor", ("1",), "", (4.0,), "times the law's bandwidth in contact", factor=True
+    "bandwidth_factor", ("1",), "along f_d", (4.0,), "times the law's bandwidth in contact", factor=True
 )
 
 
