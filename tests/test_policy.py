@@ -194,7 +194,11 @@ def test_fields_that_a_law_reads_are_those_it_declares_a_reference_and_a_force_w
     reference = {name for fields in REFERENCE_FIELDS for name in fields}
     declared = set(policy.measured_fields)
     assert declared <= read
-    asked_of_forces = {"desired_force", "force_offset"}  # by the task, by whoever steers the law
+    by_the_task, by_whoever_steers = (
+        {"desired_force"},
+        {"force_offset", "approach_speed_factor", "bandwidth_factor"},
+    )
+    asked_of_forces = by_the_task | by_whoever_steers
     assert read - declared - reference <= (asked_of_forces if isinstance(policy, ForceLoop) else set())
 
 

@@ -147,7 +147,7 @@ def test_law_that_renders_another_target_is_judged_better_than_one_that_does_not
     own = load_gains(law, "tuned", environment_id)["stiffness"]
     untold = make_baseline(law, env, stiffness=own)
     scores = [float(prp_gym.evaluate(policy, env, episodes=3).score.value) for policy in (told, untold)]
-    assert scores[0] > scores[1] + 0.1
+    assert 1.0 - scores[0] < 0.5 * (1.0 - scores[1])
     env.close()
 
 

@@ -164,8 +164,16 @@ def test_errors_are_those_from_the_model_of_tip_alpha_beta_and_the_torque(enviro
     np.testing.assert_array_equal(task.errors(truth[0], torque[0]), errors[0])
 
 
+SCALES = {  # [m] and [rad]
+    "PRP-Compliance-v0": (0.01, 0.1),
+    "PRP-Impedance-v0": (0.02, 0.1),
+    "PRP-Admittance-v0": (0.1, 0.4),
+}
+
+
 @pytest.mark.parametrize("environment_id", IDS)
 def test_reward_is_that_of_the_distance_from_the_model(environment_id: str) -> None:
+    length, angle = SCALES[environment_id]
     env = environment(environment_id, scenario="realistic")
     env.reset(seed=3, options=PRESSED)
     for _ in range(50):
@@ -174,8 +182,8 @@ def test_reward_is_that_of_the_distance_from_the_model(environment_id: str) -> N
         off = parts["model_pose"] - parts["end_effector_pose"]
         effort = env.commanded_torque / [50.0, 100.0, 10.0]
         worth = (
-            0.7 / (1.0 + np.linalg.norm(off[:3] / 0.01))
-            + 0.25 / (1.0 + np.linalg.norm(off[3:5] / 0.1))
+            0.7 / (1.0 + np.linalg.norm(off[:3] / length))
+            + 0.25 / (1.0 + np.linalg.norm(off[3:5] / angle))
             + 0.05 / (1.0 + np.linalg.norm(effort))
         )
         assert reward == pytest.approx(worth / 500.0, rel=1e-12)  # some roundings
