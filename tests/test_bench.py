@@ -247,7 +247,7 @@ def test_quick_run_measures_everything_and_writes_results_and_page(tmp_path: Pat
     for part in ("single", "vector"):
         for row in results[part]:
             assert len(row["rates"]) == 2
-            assert 0.0 < row["lowest"] <= row["median"] <= row["highest"]
+            assert 0.0 <= row["lowest"] <= row["median"] <= row["highest"]  # 0 if the machine is that busy
     kinds = {row["kind"] for row in results["vector"]}
     assert kinds == {"native", "sync", "async", "dummy", "adapter", "bare_all_cores"}
     assert {row["clock"] for row in results["single"]} == {True, False}
