@@ -23,16 +23,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
-STATE = (
-    "task",
-    "truth",
-    "commanded_torque",
-    "_actuators",
-    "_sensors",
-    "_window",
-    "_unplayable",
-    "_playable",
-)
+STATE = ("task", "truth", "commanded_torque", "_actuators", "_sensors", "_window", "_unplayable", "_playable")
 """The attributes that determine how a loop goes on."""
 
 
@@ -200,11 +191,20 @@ class EpisodeLoop:
         inside = np.abs(action) < self._full
         if np.count_nonzero(inside) == inside.size:
             return action, None
+        return self.clipped(action), ~inside
+
+    def clipped(self, action: Array) -> Array:
+        """Actions (N, size) within ±1.
+
+        Raises:
+            NonFiniteError: NaN or infinity.
+        """
         bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
         if len(bad):
             what = "action" if self.num_envs == 1 else f"action of environments {bad.tolist()}"
             raise NonFiniteError(what, action[bad].tolist())
-        return np.clip(action, -1.0, 1.0), ~inside
+        within: Array = np.clip(action, -1.0, 1.0)
+        return within
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds with this step (N); they cannot be stepped on."""

@@ -10,7 +10,7 @@ from prp_gym.envs.action_mode import ActionMode, Memory
 from prp_gym.envs.config import EnvConfig
 from prp_gym.envs.loop import STATE, EpisodeLoop, LoopState
 from prp_gym.envs.step import Step
-from prp_gym.errors import NonFiniteError, ShapeError
+from prp_gym.errors import ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
@@ -81,7 +81,7 @@ class ModeLoop(EpisodeLoop):
             raise ShapeError("action", action.shape, f"{self._action_shape}")
         waiting = np.zeros(self.num_envs, dtype=np.bool_) if idle is None else idle.copy()
         self.require_playable(waiting)
-        held = self._held(action, waiting)
+        held = self.clipped(np.where(waiting[:, None], 0.0, action))
         outcome = self._period(held, waiting)
         terminated = outcome.terminated & ~waiting
         for _ in range(self._periods - 1):
@@ -91,19 +91,6 @@ class ModeLoop(EpisodeLoop):
             outcome = self._continued(outcome, held, waiting)
             terminated |= outcome.terminated & ~waiting
         return outcome._replace(observation=outcome.observation.copy(), terminated=terminated)
-
-    def _held(self, action: Array, waiting: NDArray[np.bool_]) -> Array:
-        """Actions within ±1; 0 where an environment waits.
-
-        Raises:
-            NonFiniteError: NaN or infinity; nothing was changed.
-        """
-        playing = np.where(waiting[:, None], 0.0, action)
-        bad = np.flatnonzero(~np.isfinite(playing).all(axis=1))
-        if len(bad):
-            what = "action" if self.num_envs == 1 else f"action of environments {bad.tolist()}"
-            raise NonFiniteError(what, action[bad].tolist())
-        return np.clip(playing, -1.0, 1.0)
 
     def _period(self, action: Array, waiting: NDArray[np.bool_]) -> Step:
         """One period of the inner law."""

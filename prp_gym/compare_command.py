@@ -37,6 +37,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_file, write_json
 from prp_gym.finished_pairs import FinishedPairs
+from prp_gym.options import Backend, Environments, FirstSeed, Fresh, Laws, PairsAtOnce
 from prp_gym.pairs import list_pairs, make_environment
 from prp_gym.parallel import Workers
 from prp_gym.play_pairs import check_names, play_pairs
@@ -50,8 +51,8 @@ _FREQUENCY = 500.0  # Hz, of the laws
 
 
 def compare_command(
-    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")] = None,
-    baseline: Annotated[list[str] | None, typer.Option(help="Law; repeatable. Default: all.")] = None,
+    env: Environments = None,
+    baseline: Laws = None,
     agent: Annotated[
         list[Path] | None,
         typer.Option(
@@ -63,18 +64,10 @@ def compare_command(
         list[str] | None, typer.Option(help="Scenario; repeatable. Default: randomized and realistic.")
     ] = None,
     episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 50,
-    seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    seed: FirstSeed = 0,
     output: Annotated[Path, typer.Option(help="Folder for results.json and pictures.")] = Path("comparison"),
-    jobs: Annotated[
-        int,
-        typer.Option(
-            help="Pairs at once; 1: in this process, 0: as many as there are cores. "
-            "Compute times are those of a busy machine unless 1."
-        ),
-    ] = 0,
-    backend: Annotated[
-        str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
-    ] = "loky",
+    jobs: PairsAtOnce = 0,
+    backend: Backend = "loky",
     audit: Annotated[
         bool,
         typer.Option(
@@ -83,9 +76,7 @@ def compare_command(
             "which appear nowhere else.",
         ),
     ] = False,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Play also what an interrupted run has finished.")
-    ] = False,
+    fresh: Fresh = False,
 ) -> None:
     """Compare classical laws and learned agents on the same episodes.
 

@@ -17,6 +17,7 @@ from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.finished_pairs import FinishedPairs
+from prp_gym.options import Backend, Environments, FirstSeed, Fresh, Laws, PairsAtOnce
 from prp_gym.pairs import Pair, Record, list_pairs
 from prp_gym.parallel import Workers
 from prp_gym.play_pairs import check_names, play_pairs
@@ -28,29 +29,19 @@ _DEFAULT_SCENARIOS = ("report", "randomized")
 
 
 def evaluate_command(
-    env: Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")] = None,
-    baseline: Annotated[list[str] | None, typer.Option(help="Law; repeatable. Default: all.")] = None,
+    env: Environments = None,
+    baseline: Laws = None,
     scenario: Annotated[
         list[str] | None, typer.Option(help="Scenario; repeatable. Default: report and randomized.")
     ] = None,
     episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 20,
-    seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    seed: FirstSeed = 0,
     gains: Annotated[str, typer.Option(help="Gain set of the laws.")] = "tuned",
     control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
     output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
-    jobs: Annotated[
-        int,
-        typer.Option(
-            help="Pairs at once; 1: in this process, 0: as many as there are cores. "
-            "Compute times are those of a busy machine unless 1."
-        ),
-    ] = 0,
-    backend: Annotated[
-        str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
-    ] = "loky",
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Play also what an interrupted run has finished.")
-    ] = False,
+    jobs: PairsAtOnce = 0,
+    backend: Backend = "loky",
+    fresh: Fresh = False,
 ) -> None:
     """Evaluate classical baselines and print a table.
 

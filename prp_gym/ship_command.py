@@ -21,6 +21,7 @@ from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
 from prp_gym.evaluation.results import prepare_folder, to_plain, write_file
+from prp_gym.options import Backend, FirstSeed
 from prp_gym.parallel import Workers
 from prp_gym.terminal import TABLE_WIDTH, make_console, make_progress
 
@@ -38,13 +39,11 @@ def ship_command(
         Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
     ] = None,
     episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.")] = 100,
-    seed: Annotated[int, typer.Option(help="Seed of the first episode.")] = 0,
+    seed: FirstSeed = 0,
     jobs: Annotated[
         int, typer.Option(help="Agents at once; 1: in this process, 0: as many as there are cores.")
     ] = 0,
-    backend: Annotated[
-        str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
-    ] = "loky",
+    backend: Backend = "loky",
     allow_missing: Annotated[
         bool, typer.Option("--allow-missing", help="Leave out what is not trained yet.")
     ] = False,

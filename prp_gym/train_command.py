@@ -13,6 +13,7 @@ import typer
 from prp_gym.agents.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.shipped import read_groups
 from prp_gym.errors import InvalidValueError
+from prp_gym.options import Backend
 from prp_gym.parallel import Workers
 from prp_gym.terminal import TABLE_WIDTH, make_console
 from prp_gym.train_seeds import show_results, train_seeds
@@ -68,9 +69,7 @@ def train_command(
     jobs: Annotated[
         int, typer.Option(help="Seeds at once; 1: in this process, 0: as many as there are cores.")
     ] = 0,
-    backend: Annotated[
-        str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
-    ] = "loky",
+    backend: Backend = "loky",
 ) -> None:
     """Train agents with Stable-Baselines3 and keep the best policy of each.
 

@@ -64,6 +64,7 @@ MORE_THIRD_PARTY = {
     "prp_gym.evaluate_command": {"rich", "typer"},
     "prp_gym.export_command": {"typer"},
     "prp_gym.listing": {"rich", "typer"},
+    "prp_gym.options": {"typer"},
     "prp_gym.parallel": {"joblib", "ray"},
     "prp_gym.terminal": {"rich"},
     "prp_gym.ship_command": {"rich", "typer"},
