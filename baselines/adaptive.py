@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.policy import Baseline, ControlInterface, LawState, Observed
+from prp_gym.baselines.policy import Baseline, ControlInterface, ControllerState, Observed
 from prp_gym.baselines.settings import Settings, Vector
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array, apply, apply_transposed
@@ -84,12 +84,12 @@ class Adaptive(Baseline[AdaptiveSettings]):
         self._lower = self._initial - (1.0 - self.settings.lower_share) * size
         self._upper = self._initial + (self.settings.upper_share - 1.0) * size + self.settings.margin
 
-    def initial_state(self, observed: Observed) -> LawState:
+    def initial_state(self, observed: Observed) -> ControllerState:
         """Θ̂ (..., parameters): the model's parameters."""
         lead = observed["joint_position"].shape[:-1]
         return (np.broadcast_to(self._initial, (*lead, self._initial.size)).copy(),)
 
-    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See the class."""
         (estimate,) = state
         desired = self.references.joint(observed)
@@ -97,9 +97,9 @@ class Adaptive(Baseline[AdaptiveSettings]):
         gain = self.settings.reference_gain
         reference_velocity = desired.velocity + gain * (desired.position - q)
         reference_acceleration = desired.acceleration + gain * (desired.velocity - velocity)
-        slip = reference_velocity - velocity
+        sliding_variable = reference_velocity - velocity
         Y = self.model.regressor(q, velocity, reference_velocity, reference_acceleration)
-        torque = apply(Y, estimate) + self.settings.damping_gain * slip
-        rate = self.settings.adaptation_gain * apply_transposed(Y, slip)
+        torque = apply(Y, estimate) + self.settings.damping_gain * sliding_variable
+        rate = self.settings.adaptation_gain * apply_transposed(Y, sliding_variable)
         after = np.clip(estimate + self.interface.period * rate, self._lower, self._upper)
         return torque, (after,)

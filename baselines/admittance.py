@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
-from prp_gym.baselines.policy import ControlInterface, LawState, Observed
+from prp_gym.baselines.policy import ControlInterface, ControllerState, Observed
 from prp_gym.baselines.settings import Settings, Vector
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.target_model import Displacement, TargetModel
@@ -68,11 +68,11 @@ class Admittance(OperationalBaseline[AdmittanceSettings]):
             numbers.inertia, numbers.damping, numbers.stiffness, interface.period
         )
 
-    def initial_state(self, observed: Observed) -> LawState:
+    def initial_state(self, observed: Observed) -> ControllerState:
         """The compliant frame at rest on the desired one; see `Baseline.initial_state`."""
         return tuple(Displacement.zero(observed["joint_position"].shape[:-1]))
 
-    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""
         force = observed["contact_force"]
         h_A = np.concatenate([force, np.zeros(force.shape)], axis=-1)

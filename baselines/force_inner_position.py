@@ -7,7 +7,7 @@ import numpy as np
 
 from prp_gym.baselines.force_integral import ForceError
 from prp_gym.baselines.force_loop import ForceLoop, ForceLoopSettings
-from prp_gym.baselines.policy import LawState, Observed
+from prp_gym.baselines.policy import ControllerState, Observed
 from prp_gym.baselines.references import PoseReference
 
 ORIGINS = ("start", "base")
@@ -48,11 +48,11 @@ class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
     summary = "force control with an inner position loop"
     settings_class = ForceInnerPositionSettings
 
-    def initial_state(self, observed: Observed) -> LawState:
+    def initial_state(self, observed: Observed) -> ControllerState:
         """As every force law's, and the pose at the start; see `Baseline.initial_state`."""
         return (*super().initial_state(observed), observed["end_effector_pose"].copy())
 
-    def base_motion(self, observed: Observed, state: LawState, error: ForceError) -> PoseReference:
+    def base_motion(self, observed: Observed, state: ControllerState, error: ForceError) -> PoseReference:
         """At rest where the episode started."""
         pose = state[-1]
         if self.settings.origin == "base":

@@ -51,7 +51,7 @@ class ForceError(NamedTuple):
         return cls(axis, size, np.sum(axis * measured, axis=-1, keepdims=True))
 
 
-class Pace(NamedTuple):
+class RateScaling(NamedTuple):
     """By how much whoever steers a law hurries it.
 
     Attributes:
@@ -63,7 +63,7 @@ class Pace(NamedTuple):
     bandwidth: Array
 
 
-STEADY = Pace(np.ones(1), np.ones(1))
+STEADY = RateScaling(np.ones(1), np.ones(1))
 """Nobody hurries it."""
 
 
@@ -84,7 +84,7 @@ class ForceIntegral(ABC):
 
     @abstractmethod
     def step(
-        self, memory: Memory, error: ForceError, tip: Array, lag: Array, pace: Pace = STEADY
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
     ) -> tuple[Array, Memory]:
         """One control period.
 
@@ -93,7 +93,7 @@ class ForceIntegral(ABC):
             error: of the force.
             tip: (..., 3) where the tip is, world frame [m].
             lag: (..., 3) by which the tip's motion keeps it behind its target [m].
-            pace: how fast it should be beside what its gains say.
+            rate_scaling: how fast it should be beside what its gains say.
 
         Returns:
             x_F (..., 3) [m] for this period, and the memory a period later.
@@ -121,12 +121,12 @@ class FixedGains(ForceIntegral):
         return (np.zeros((*shape, 3)),)
 
     def step(
-        self, memory: Memory, error: ForceError, tip: Array, lag: Array, pace: Pace = STEADY
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
     ) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`; the bandwidth is that of the integral, and there is no approach."""
         pull = error.axis * error.value
         (displacement,) = memory
-        after = displacement + self.period * self.integral_gain * pace.bandwidth * pull
+        after = displacement + self.period * self.integral_gain * rate_scaling.bandwidth * pull
         return displacement + self.force_gain * pull, (after,)
 
 
@@ -162,7 +162,7 @@ class ScheduledGain(ForceIntegral):
         return np.zeros((*shape, 3)), np.zeros((*shape, 1)), self.estimator.begin(shape)
 
     def step(
-        self, memory: Memory, error: ForceError, tip: Array, lag: Array, pace: Pace = STEADY
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
     ) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
         displacement, touching = memory[0], memory[1] > 0.0
@@ -172,7 +172,7 @@ class ScheduledGain(ForceIntegral):
         estimate = self.estimator.update(
             memory[2], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
         )
-        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None], pace)
+        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None], rate_scaling)
         after = displacement + self.estimator.period * error.axis * rate
         return displacement, (after, contact.astype(np.float64), estimate)
 
@@ -180,8 +180,10 @@ class ScheduledGain(ForceIntegral):
         half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)
         return np.minimum(half, self.contact_threshold)
 
-    def _rate(self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array, pace: Pace) -> Array:
+    def _rate(
+        self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array, rate_scaling: RateScaling
+    ) -> Array:
         """ẋ_F along the axis (..., 1) [m/s]."""
-        e, v = error.value, self.approach_speed * pace.approach
-        wanted = self.bandwidth * pace.bandwidth * e / stiffness
+        e, v = error.value, self.approach_speed * rate_scaling.approach
+        wanted = self.bandwidth * rate_scaling.bandwidth * e / stiffness
         return np.where(contact, np.clip(wanted, -v, v), v * (e > 0.0))

@@ -11,11 +11,11 @@ from prp_gym.baselines.force_integral import (
     FixedGains,
     ForceError,
     ForceIntegral,
-    Pace,
+    RateScaling,
     ScheduledGain,
 )
 from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
-from prp_gym.baselines.policy import ControlInterface, LawState, Observed
+from prp_gym.baselines.policy import ControlInterface, ControllerState, Observed
 from prp_gym.baselines.references import PoseReference
 from prp_gym.baselines.settings import Settings, Vector
 from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
@@ -99,12 +99,12 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         super().__init__(interface, settings)
         self._integral = self.settings.force_integral(interface.period)
 
-    def initial_state(self, observed: Observed) -> LawState:
+    def initial_state(self, observed: Observed) -> ControllerState:
         """No displacement and no estimate yet; see `Baseline.initial_state`."""
         return self._integral.begin(observed["joint_position"].shape[:-1])
 
     @abstractmethod
-    def base_motion(self, observed: Observed, state: LawState, error: ForceError) -> PoseReference:
+    def base_motion(self, observed: Observed, state: ControllerState, error: ForceError) -> PoseReference:
         """The motion (x_r, ẋ_r, ẍ_r) of the target without displacement.
 
         Args:
@@ -113,7 +113,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
             error: of the force.
         """
 
-    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""
         measured, force = self.measured(observed), observed["contact_force"]
         desired = observed.get("desired_force", np.zeros(force.shape)) + observed.get("force_offset", 0.0)
@@ -124,7 +124,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         lag = np.divide(-braking, K_P, out=np.zeros(braking.shape), where=K_P > 0.0)
         count = self._integral.arrays
         x_F, memory = self._integral.step(
-            state[:count], error, measured.pose[..., :3], lag[..., :3], _pace(observed)
+            state[:count], error, measured.pose[..., :3], lag[..., :3], _rate_scaling(observed)
         )
         position_error = base.pose - measured.pose
         position_error[..., :3] += x_F
@@ -133,9 +133,9 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         return torque + self.contact_torque(measured, force), memory + state[count:]
 
 
-def _pace(observed: Observed) -> Pace:
+def _rate_scaling(observed: Observed) -> RateScaling:
     """As whoever steers the law sets it."""
-    return Pace(
+    return RateScaling(
         observed.get("approach_speed_factor", STEADY.approach),
         observed.get("bandwidth_factor", STEADY.bandwidth),
     )

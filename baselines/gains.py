@@ -15,16 +15,16 @@ def _table() -> dict[str, Any]:
     return tomllib.loads(files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8"))
 
 
-def gain_sets(law: str) -> tuple[str, ...]:
+def gain_sets(controller: str) -> tuple[str, ...]:
     """Names of a law's gain sets."""
-    return tuple(_table().get(law, {}))
+    return tuple(_table().get(controller, {}))
 
 
-def load_gains(law: str, name: str, environment_id: str) -> dict[str, Any]:
+def load_gains(controller: str, name: str, environment_id: str) -> dict[str, Any]:
     """A gain set of a law on an environment.
 
     Args:
-        law: its name.
+        controller: its name.
         name: of the set.
         environment_id: whose own values, where it has some, replace the set's.
 
@@ -34,9 +34,9 @@ def load_gains(law: str, name: str, environment_id: str) -> dict[str, Any]:
     Raises:
         UnknownNameError: no such set.
     """
-    sets = _table().get(law, {})
+    sets = _table().get(controller, {})
     if name not in sets:
-        raise UnknownNameError(f"gain set of law {law!r}", name, sets)
+        raise UnknownNameError(f"gain set of law {controller!r}", name, sets)
     shared: Mapping[str, Any] = sets[name]
     own: dict[str, Any] = shared.get(environment_id, {})
     return deepcopy({key: value for key, value in shared.items() if not isinstance(value, dict)} | own)

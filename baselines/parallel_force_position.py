@@ -2,7 +2,7 @@
 
 from prp_gym.baselines.force_integral import ForceError
 from prp_gym.baselines.force_loop import ForceLoop, ForceLoopSettings
-from prp_gym.baselines.policy import LawState, Observed
+from prp_gym.baselines.policy import ControllerState, Observed
 from prp_gym.baselines.references import PoseReference
 
 
@@ -22,6 +22,6 @@ class ParallelForcePosition(ForceLoop[ForceLoopSettings]):
     summary = "parallel force/position control"
     settings_class = ForceLoopSettings
 
-    def base_motion(self, observed: Observed, state: LawState, error: ForceError) -> PoseReference:
+    def base_motion(self, observed: Observed, state: ControllerState, error: ForceError) -> PoseReference:
         """The desired motion."""
         return self.desired(observed)

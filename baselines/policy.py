@@ -18,14 +18,14 @@ from prp_gym.baselines.references import (
 )
 from prp_gym.baselines.settings import Settings
 from prp_gym.errors import InvalidValueError, MissingFieldError
-from prp_gym.policy_state import PolicyState, state_to_begin_with
+from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link, LinkParameters
 from prp_gym.tasks.fields import ObservationLayout
 
 Model = PRPArm | Link
-LawState = tuple[Array, ...]
+ControllerState = tuple[Array, ...]
 Observed = Mapping[str, Array]
 
 
@@ -39,7 +39,7 @@ class ControlInterface:
         torque_limit: joint torques at action 1 (joints) [N m, N, N m].
         period: of control [s].
         model: the nominal robot, whatever the plant really is.
-        asked: what the task asks the robot to behave like, by the names of the laws' settings: axes (6) of
+        target_impedance: what the task asks the robot to behave like, by the names of settings: axes (6) of
             `inertia`, `damping` and `stiffness`; empty where it asks for nothing of the kind.
     """
 
@@ -48,7 +48,7 @@ class ControlInterface:
     torque_limit: Array
     period: float
     model: Model
-    asked: Mapping[str, Array] = field(default_factory=dict)
+    target_impedance: Mapping[str, Array] = field(default_factory=dict)
 
     @classmethod
     def of(cls, env: Any) -> Self:
@@ -68,7 +68,7 @@ class ControlInterface:
                 torque_limit=np.asarray(_attribute(inner, "torque_limit")),
                 period=1.0 / _attribute(inner, "control_frequency"),
                 model=task.model,
-                asked=task.asked,
+                target_impedance=task.target_impedance,
             )
         except AttributeError:
             raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
@@ -150,7 +150,7 @@ class Baseline(ABC, Generic[SettingsT]):
             missing.append(" or ".join(fields[0] for fields in REFERENCE_FIELDS))
         return missing
 
-    def initial_state(self, observed: Observed) -> LawState:
+    def initial_state(self, observed: Observed) -> ControllerState:
         """The state at the start of an episode.
 
         Args:
@@ -162,7 +162,7 @@ class Baseline(ABC, Generic[SettingsT]):
         return ()
 
     @abstractmethod
-    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """The law.
 
         Args:
@@ -209,13 +209,17 @@ class Baseline(ABC, Generic[SettingsT]):
             after = self._hold(before, after, np.logical_or.reduce(action != demand, axis=-1))
         return action.astype(np.float32), after or None
 
-    def _begin(self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None) -> LawState:
+    def _begin(
+        self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None
+    ) -> ControllerState:
         """The state to go on with: the last one, and a new one where an episode starts."""
         lead = observed["joint_position"].shape[:-1]
         fresh = self.initial_state(observed)
         return state_to_begin_with(fresh, state, episode_start, lead)
 
-    def _hold(self, before: LawState, after: LawState, limited: NDArray[np.bool_]) -> LawState:
+    def _hold(
+        self, before: ControllerState, after: ControllerState, limited: NDArray[np.bool_]
+    ) -> ControllerState:
         """Integrators stand still where an actuator is at its limit (anti-windup)."""
         if not np.count_nonzero(limited):
             return after
@@ -239,7 +243,7 @@ class StaticBaseline(Baseline[SettingsT]):
             (..., joints) joint torques, unlimited [N m, N, N m].
         """
 
-    def control(self, observed: Observed, state: LawState) -> tuple[Array, LawState]:
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""
         return self.torque(observed), state
 

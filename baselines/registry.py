@@ -24,7 +24,7 @@ TASK_RENDERING = {
 }
 """The gain sets with which a law renders what the task asks for, where it asks for anything."""
 
-_LAWS: tuple[type[Baseline[Any]], ...] = (
+_CONTROLLERS: tuple[type[Baseline[Any]], ...] = (
     JointPD,
     JointInverseDynamics,
     Adaptive,
@@ -37,7 +37,7 @@ _LAWS: tuple[type[Baseline[Any]], ...] = (
     ParallelForcePosition,
 )
 
-BASELINES: dict[str, type[Baseline[Any]]] = {law.name: law for law in _LAWS}
+BASELINES: dict[str, type[Baseline[Any]]] = {controller.name: controller for controller in _CONTROLLERS}
 
 
 def list_baselines(layout: ObservationLayout | None = None) -> list[str]:
@@ -48,7 +48,7 @@ def list_baselines(layout: ObservationLayout | None = None) -> list[str]:
     """
     if layout is None:
         return list(BASELINES)
-    return [name for name, law in BASELINES.items() if not law.missing_fields(layout)]
+    return [name for name, controller in BASELINES.items() if not controller.missing_fields(layout)]
 
 
 def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -> Baseline[Any]:
@@ -71,24 +71,30 @@ def make_baseline(name: str, env: Any, gains: str = "tuned", **overrides: Any) -
         InvalidValueError: a setting that is not allowed, gains that are unstable at the environment's
             control frequency, an environment of another suite, or one whose actions are not torques.
     """
-    return make_law(name, ControlInterface.of(env), gains, **overrides)
+    return make_controller(name, ControlInterface.of(env), gains, **overrides)
 
 
-def make_law(name: str, interface: ControlInterface, gains: str = "tuned", **overrides: Any) -> Baseline[Any]:
+def make_controller(
+    name: str, interface: ControlInterface, gains: str = "tuned", **overrides: Any
+) -> Baseline[Any]:
     """A control law on an interface; see `make_baseline`."""
     if name not in BASELINES:
         raise UnknownNameError("baseline", name, BASELINES)
-    law = BASELINES[name]
+    controller = BASELINES[name]
     values = load_gains(name, gains, interface.environment_id)
     values.pop("source")
     least = values.pop("minimum_frequency", 0.0)
     if gains in TASK_RENDERING.get(name, ()):
-        values |= {key: interface.asked[key] for key in law.rendered if key in interface.asked}
-    own_gains = set(law.settings_class.vectors) <= set(overrides)
+        values |= {
+            key: interface.target_impedance[key]
+            for key in controller.rendered
+            if key in interface.target_impedance
+        }
+    own_gains = set(controller.settings_class.vectors) <= set(overrides)
     if round(1.0 / interface.period, 6) < least and not own_gains:
         allowed = f"at least {least:g} with gains {gains!r} of law {name!r}, which are unstable below it"
         others = ", ".join(item for item in gain_sets(name) if item != gains)
         raise InvalidValueError(
             "control_frequency", round(1.0 / interface.period, 6), f"{allowed} (other sets: {others})", "Hz"
         )
-    return law(interface, law.settings_class.from_mapping(name, {**values, **overrides}))
+    return controller(interface, controller.settings_class.from_mapping(name, {**values, **overrides}))

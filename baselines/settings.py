@@ -57,7 +57,7 @@ class Settings:
                 raise UnknownNameError(name, getattr(self, name), allowed)
 
     @classmethod
-    def from_mapping(cls, law: str, values: Mapping[str, Any]) -> Self:
+    def from_mapping(cls, controller: str, values: Mapping[str, Any]) -> Self:
         """Settings by name.
 
         Raises:
@@ -67,7 +67,7 @@ class Settings:
         names = [entry.name for entry in fields(cls)]
         for name in values:
             if name not in names:
-                raise UnknownNameError(f"setting of law {law!r}", name, names)
+                raise UnknownNameError(f"setting of law {controller!r}", name, names)
         return cls(**values)
 
     def sized(self, sizes: Mapping[str, int]) -> Self:

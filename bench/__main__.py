@@ -17,9 +17,9 @@ from bench import costs, goals, machine, memory, peers, single, training, vector
 from bench.report import PARTS, machine_text, write_page
 from bench.rounds import FREE, FULL, QUICK, REACHER, Effort, race
 from bench.sheets import Sheet, sheets
+from prp_gym.cli.terminal import make_console
 from prp_gym.errors import UnknownNameError
 from prp_gym.evaluation.results import prepare_folder, write_json
-from prp_gym.terminal import make_console
 
 _RESET_SIZES = (1, 64, 1024)
 _QUICK_RESET_SIZES = (1, 4)
@@ -72,7 +72,7 @@ def measure_costs(effort: Effort) -> dict[str, Any]:
 def measure_evaluate(effort: Effort) -> dict[str, float]:
     """The evaluation of all baselines, into a folder that is thrown away."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "prp_gym.cli", "evaluate", "--output", folder]
+        command = [sys.executable, "-m", "prp_gym.cli.main", "evaluate", "--output", folder]
         start = time.perf_counter()
         subprocess.run(command, check=True, capture_output=True)
         return {"seconds": time.perf_counter() - start}

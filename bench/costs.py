@@ -28,7 +28,7 @@ _SUBSTEPS_A_TURN = 2**16  # of all environments together
 
 
 @dataclass(frozen=True)
-class Place:
+class Condition:
     """Where costs are measured.
 
     Attributes:
@@ -52,7 +52,7 @@ class Parts:
         effort: how long an episode is.
     """
 
-    def __init__(self, place: Place, effort: Effort) -> None:
+    def __init__(self, place: Condition, effort: Effort) -> None:
         self.place = place
         settings: dict[str, Any] = {"control_frequency": place.control_frequency, "duration": effort.duration}
         self._single = gymnasium.make(place.environment, **settings)
@@ -61,7 +61,7 @@ class Parts:
         self._steps = min(inner.config.horizon - 1, most)  # nothing is reset on the way
         self._actions = random_actions(place.num_envs, inner.action_space.shape[0])
         gains = GAINS[place.control_frequency]
-        self._law = prp_gym.make_baseline(LAWS[place.environment], self._single, gains)
+        self._controller = prp_gym.make_baseline(LAWS[place.environment], self._single, gains)
         self._env: Any = self._single
         if place.num_envs > 1:
             self._env = gymnasium.make_vec(
@@ -92,14 +92,20 @@ class Parts:
         for index in range(self._steps):
             seen.append(self._env.step(self._actions[index % len(self._actions)])[0])
         step, (loop, physics) = time.perf_counter() - start, self._seconds.values()
-        law = self._time_law(seen)
-        parts = {"physics": physics, "task": loop - physics, "wrapper": step - loop, "step": step, "law": law}
+        controller = self._time_law(seen)
+        parts = {
+            "physics": physics,
+            "task": loop - physics,
+            "wrapper": step - loop,
+            "step": step,
+            "controller": controller,
+        }
         return {name: seconds / (self._steps * self.place.num_envs) for name, seconds in parts.items()}
 
     def _time_law(self, seen: Sequence[Array]) -> float:
         state, start = None, time.perf_counter()
         for observation in seen:
-            _, state = self._law.predict(observation, state)
+            _, state = self._controller.predict(observation, state)
         return time.perf_counter() - start
 
     def close(self) -> None:
@@ -113,20 +119,20 @@ def _steps(substeps: int) -> int:
     return max(_LEAST_STEPS, min(_MOST_STEPS, _SUBSTEPS_A_TURN // substeps))
 
 
-def places(effort: Effort) -> Iterator[Place]:
+def conditions(effort: Effort) -> Iterator[Condition]:
     """The single environment, and many of them on one core and on all; in contact only a few."""
     few = effort.library_size
     many = [count for count in effort.sizes if count >= few]
     for environment, frequency in PLACES:
-        yield Place(environment, frequency, 1, 1)
-        yield Place(environment, frequency, few, 1)
+        yield Condition(environment, frequency, 1, 1)
+        yield Condition(environment, frequency, few, 1)
         for count in many if environment == FREE else [few]:
-            yield Place(environment, frequency, count, ALL_CORES)
+            yield Condition(environment, frequency, count, ALL_CORES)
 
 
 def split_steps(effort: Effort) -> list[dict[str, Any]]:
     """Medians over the rounds of what each part of a step costs [s]."""
-    parts = [Parts(place, effort) for place in places(effort)]
+    parts = [Parts(place, effort) for place in conditions(effort)]
     rounds = [[one.measure() for one in parts] for _ in range(effort.vector_rounds)]
     rows = []
     for index, one in enumerate(parts):

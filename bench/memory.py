@@ -26,18 +26,18 @@ def resident_bytes() -> int:
 
 def measure(effort: Effort) -> list[dict[str, Any]]:
     """Bytes an environment: what N of them take beyond a single one, over N - 1."""
-    places = [
+    conditions = [
         (environment, count) for environment in (FREE, CONTACT) for count in _counts(environment, effort)
     ]
     with ThreadPoolExecutor(count_cores()) as pool:
-        taken = dict(zip(places, pool.map(_in_process, places), strict=True))
+        taken = dict(zip(conditions, pool.map(_in_process, conditions), strict=True))
     return [
         {
             "environment": environment,
             "num_envs": count,
             "bytes_per_env": (taken[environment, count] - taken[environment, 1]) / (count - 1),
         }
-        for environment, count in places
+        for environment, count in conditions
         if count > 1
     ]
 

@@ -78,9 +78,9 @@ def machine_text(results: Results) -> str:
     )
 
 
-def missed_text(asked: Sequence[Goal], facts: Mapping[str, str]) -> str:
+def missed_text(target_impedance: Sequence[Goal], facts: Mapping[str, str]) -> str:
     """What limits the goals that were missed."""
-    missed = [goal for goal in asked if not goal.met]
+    missed = [goal for goal in target_impedance if not goal.met]
     if not missed:
         return "Every goal is met."
     limits = tomllib.loads((_HERE / "limits.toml").read_text(encoding="utf-8"))

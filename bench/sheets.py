@@ -124,8 +124,8 @@ def vector_sheets(results: Results) -> Iterator[Sheet]:
     """A table a place: kinds of vector environments by their number N."""
     rows = results["vector"]
     counts = sorted({row["num_envs"] for row in rows})
-    places = dict.fromkeys((row["environment"], row["control_frequency"]) for row in rows)
-    for environment, frequency in sorted(places):
+    conditions = dict.fromkeys((row["environment"], row["control_frequency"]) for row in rows)
+    for environment, frequency in sorted(conditions):
         own = [r for r in rows if (r["environment"], r["control_frequency"]) == (environment, frequency)]
         by_name: dict[str, dict[int, str]] = {}
         for (_, _, _, count, _), pair in _pairs(own).items():
@@ -146,7 +146,7 @@ def share_sheet(results: Results) -> Sheet:
     """How near environments come to the bare loop of the same models, in the same rounds."""
     single, vector = results["single"], results["vector"]
     native = [row for row in vector if row["kind"] == "native"]
-    places = {(row["environment"], row["control_frequency"], row["num_envs"]) for row in native}
+    conditions = {(row["environment"], row["control_frequency"], row["num_envs"]) for row in native}
     counts = sorted({row["num_envs"] for row in native})
     cells = []
     for (environment, frequency), (how, clock) in itertools.product(PLACES, _CLOCKS):
@@ -154,7 +154,7 @@ def share_sheet(results: Results) -> Sheet:
         shares = [_median(ratios(single, Label("single", environment, frequency), bare))]
         for count in counts:
             own = Label("native", environment, frequency, count, ALL_CORES)
-            measured = (environment, frequency, count) in places
+            measured = (environment, frequency, count) in conditions
             other = replace(bare, kind="bare_all_cores")
             shares.append(_median(ratios(vector, own, other)) if measured else NOT_MEASURED)
         scaling = find(vector, replace(bare, kind="bare_all_cores"))["median"] / find(single, bare)["median"]
@@ -188,11 +188,23 @@ def cost_sheet(results: Results) -> Sheet:
     cells = []
     for row in results["costs"]["steps"]:
         seconds = row["seconds"]
-        parts = (f"{1e6 * seconds[name]:.1f}" for name in ("step", "physics", "task", "wrapper", "law"))
+        parts = (
+            f"{1e6 * seconds[name]:.1f}" for name in ("step", "physics", "task", "wrapper", "controller")
+        )
         threads = "all cores" if row["threads"] == 0 else "one core"
         place = (row["environment"], frequency_text(row), str(row["num_envs"]), threads)
         cells.append((*place, *parts, row["law_name"]))
-    headers = ("environment", "control", "N", "physics on", "step", "physics", "task", "wrapper", "law")
+    headers = (
+        "environment",
+        "control",
+        "N",
+        "physics on",
+        "step",
+        "physics",
+        "task",
+        "wrapper",
+        "controller",
+    )
     return Sheet("costs", "µs a step of one environment", (*headers, "which law"), tuple(cells))
 
 

@@ -117,26 +117,30 @@ CANDIDATES: dict[str, Candidate] = {
 }
 
 
-def inertia_of(law: str, place: str) -> Array:
+def inertia_of(controller: str, place: str) -> Array:
     """What a law's gains are scaled with on an environment."""
     if place == "Adaptive":
         return LINK_INERTIA
-    if law == "compliance":
+    if controller == "compliance":
         return COMPLIANCE_INERTIA
-    return POSE_INERTIA if "end_effector_pose" in BASELINES[law].measured_fields else mean_inertia()
+    return POSE_INERTIA if "end_effector_pose" in BASELINES[controller].measured_fields else mean_inertia()
 
 
-def sweep(law: str, place: str, rate: float) -> list[tuple[float, float, float]]:
+def sweep(controller: str, place: str, rate: float) -> list[tuple[float, float, float]]:
     """Score, bandwidth and damping ratio of every candidate that does not chatter, best first."""
     environment_id = f"PRP-{place}-v0"
     envs = [gymnasium.make(environment_id, scenario=s, control_frequency=rate) for s in SCENARIOS]
-    inertia = inertia_of(law, place)
-    base = "tuned" if rate >= load_gains(law, "tuned", environment_id)["minimum_frequency"] else "tuned_50hz"
+    inertia = inertia_of(controller, place)
+    base = (
+        "tuned"
+        if rate >= load_gains(controller, "tuned", environment_id)["minimum_frequency"]
+        else "tuned_50hz"
+    )
     grid = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS if 2.0 * z * w / rate < _STABLE_UP_TO]
     results = []
-    for frequency, ratio in track(grid, description=f"{law} {place} {rate:g} Hz", transient=True):
-        settings: dict[str, Any] = dict(CANDIDATES[law](frequency, ratio, inertia))
-        policy = prp_gym.make_baseline(law, envs[0], base, **settings)
+    for frequency, ratio in track(grid, description=f"{controller} {place} {rate:g} Hz", transient=True):
+        settings: dict[str, Any] = dict(CANDIDATES[controller](frequency, ratio, inertia))
+        policy = prp_gym.make_baseline(controller, envs[0], base, **settings)
         evaluations = [prp_gym.evaluate(policy, env, EPISODES, FIRST_SEED) for env in envs]
         if max(float(e.median["saturation"][0]) for e in evaluations) <= MOST_SATURATION:
             mean = np.mean([evaluation.metrics["score"] for evaluation in evaluations])
@@ -146,23 +150,23 @@ def sweep(law: str, place: str, rate: float) -> list[tuple[float, float, float]]
     return sorted(results, reverse=True)
 
 
-def main(laws: list[str]) -> None:
+def main(controllers: list[str]) -> None:
     """Sweep laws at every rate on the environments that they are tuned for; print the best candidates.
 
     Raises:
         UnknownNameError: a law that has nothing to sweep; nothing is swept then.
     """
-    for law in laws:
-        if law not in PLACES:
-            raise UnknownNameError("law to sweep", law, PLACES)
+    for controller in controllers:
+        if controller not in PLACES:
+            raise UnknownNameError("law to sweep", controller, PLACES)
     console = Console(width=120)
-    for law in laws or list(PLACES):
-        for place, rate in itertools.product(PLACES[law], RATES.get(law, (500.0, 50.0))):
-            table = Table(title=f"{law} on PRP-{place}-v0 at {rate:g} Hz", title_justify="left")
+    for controller in controllers or list(PLACES):
+        for place, rate in itertools.product(PLACES[controller], RATES.get(controller, (500.0, 50.0))):
+            table = Table(title=f"{controller} on PRP-{place}-v0 at {rate:g} Hz", title_justify="left")
             for header in ("score", "ω [rad/s]", "ζ", "gains"):
                 table.add_column(header, justify="right")
-            for score, frequency, ratio in sweep(law, place, rate)[:5]:
-                gains = CANDIDATES[law](frequency, ratio, inertia_of(law, place))
+            for score, frequency, ratio in sweep(controller, place, rate)[:5]:
+                gains = CANDIDATES[controller](frequency, ratio, inertia_of(controller, place))
                 numbers = ", ".join(
                     f"{n} {np.array2string(np.asarray(v), precision=4)}" for n, v in gains.items()
                 )

@@ -12,7 +12,7 @@ from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, ActionField, torqu
 from prp_gym.robot import NOMINAL
 from prp_gym.tasks.fields import ObservationLayout
 
-_ANY_LAW = f"{RESIDUAL}<law>"
+_ANY_CONTROLLER = f"{RESIDUAL}<law>"
 _RATE = f"{INNER_FREQUENCY:g}"
 _LIMIT = NOMINAL.torque_limit
 _INTRO = f"""What an action means is the keyword `action_mode`, of `gymnasium.make`, `gymnasium.make_vec` and
@@ -49,7 +49,7 @@ def action_modes_page(layouts: Iterable[tuple[str, ObservationLayout]]) -> str:
     """
     parts = [NOTE, "# Action modes\n", _INTRO, "## Modes\n"]
     has = {environment_id: modes_of(layout) for environment_id, layout in layouts}
-    rows = [_mode(name, law, summary, fields, has) for name, law, summary, fields in _entries()]
+    rows = [_mode(name, controller, summary, fields, has) for name, controller, summary, fields in _entries()]
     parts.append(table(("mode", "inner law", "action size", "what an action does", "environments"), rows))
     parts += [_SIZES, "## Actions\n"]
     for name, _, _, fields in _entries():
@@ -60,28 +60,33 @@ def action_modes_page(layouts: Iterable[tuple[str, ObservationLayout]]) -> str:
 def modes_of(layout: ObservationLayout) -> list[str]:
     """The modes of an environment, those that add to a law's torques as one."""
     names = list_action_modes(layout)
-    return [*(name for name in names if not name.startswith(RESIDUAL)), _ANY_LAW]
+    return [*(name for name in names if not name.startswith(RESIDUAL)), _ANY_CONTROLLER]
 
 
 def _entries() -> list[tuple[str, str, str, tuple[ActionField, ...]]]:
     """Name, law, summary and fields of every mode."""
 
     def steered(entry: ModeEntry) -> tuple[str, str, str, tuple[ActionField, ...]]:
-        return entry.name, f"`{entry.law}`", entry.summary, entry.fields(len(_LIMIT))
+        return entry.name, f"`{entry.controller}`", entry.summary, entry.fields(len(_LIMIT))
 
     return [
         (TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),)),
         *map(steered, MODES.values()),
-        (_ANY_LAW, "any that runs there", "adds to a law's torques", (residual_field(_LIMIT, _LIMIT),)),
+        (
+            _ANY_CONTROLLER,
+            "any that runs there",
+            "adds to a law's torques",
+            (residual_field(_LIMIT, _LIMIT),),
+        ),
     ]
 
 
 def _mode(
-    name: str, law: str, summary: str, fields: tuple[ActionField, ...], has: dict[str, list[str]]
+    name: str, controller: str, summary: str, fields: tuple[ActionField, ...], has: dict[str, list[str]]
 ) -> tuple[str, ...]:
-    places = [environment_id for environment_id, modes in has.items() if name in modes]
-    where = "all" if len(places) == len(has) else ", ".join(places)
-    return f"`{name}`", law, str(sum(field.size for field in fields)), summary, where
+    conditions = [environment_id for environment_id, modes in has.items() if name in modes]
+    where = "all" if len(conditions) == len(has) else ", ".join(conditions)
+    return f"`{name}`", controller, str(sum(field.size for field in fields)), summary, where
 
 
 def _fields(fields: tuple[ActionField, ...]) -> str:

@@ -18,9 +18,9 @@ from docs.action_modes_page import action_modes_page, modes_of
 from docs.metrics_page import metrics_page
 from docs.tables import NOTE, numbers, table
 from prp_gym.baselines import BASELINES, list_baselines
-from prp_gym.cli import app
+from prp_gym.cli.main import app
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
-from prp_gym.envs.data import load_scenario
+from prp_gym.envs.base.data import load_scenario
 from prp_gym.registration import ENVIRONMENTS
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
@@ -108,8 +108,8 @@ def _data_sheet(env: Any, environment_id: str) -> str:
         " only if the simulation diverges: it leaves the declared bounds of joint position or velocity, or"
         " MuJoCo meets a value that is not finite.\n"
     )
-    laws = ", ".join(f"`{name}`" for name in list_baselines(env.observation_layout))
-    parts.append(f"Laws that run here: {laws}.\n")
+    controllers = ", ".join(f"`{name}`" for name in list_baselines(env.observation_layout))
+    parts.append(f"Laws that run here: {controllers}.\n")
     modes = ", ".join(f"`{name}`" for name in modes_of(env.observation_layout))
     parts.append(f"Action modes: {modes}.\n")
     return "\n".join(parts)
@@ -168,16 +168,21 @@ def _ranges(env: PRPEnv) -> str:
 def baselines_page() -> str:
     """Every law with its equation, settings and gain sets."""
     parts = [NOTE, "# Baselines\n"]
-    parts.append(table(("law", "what it is"), ((f"`{n}`", law.summary) for n, law in BASELINES.items())))
+    parts.append(
+        table(
+            ("controller", "what it is"),
+            ((f"`{n}`", controller.summary) for n, controller in BASELINES.items()),
+        )
+    )
     gains = tomllib.loads(files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8"))
-    for name, law in BASELINES.items():
-        parts += [f"\n## {name}\n", inspect.getdoc(law) or "", "\n### Settings\n"]
-        parts.append(_law_settings(law.settings_class))
+    for name, controller in BASELINES.items():
+        parts += [f"\n## {name}\n", inspect.getdoc(controller) or "", "\n### Settings\n"]
+        parts.append(_controller_settings(controller.settings_class))
         parts += ["### Gain sets\n", _gain_sets(gains[name])]
     return "\n".join(parts)
 
 
-def _law_settings(settings: type[Any]) -> str:
+def _controller_settings(settings: type[Any]) -> str:
     """A table of a law's settings, the inherited ones last."""
     meanings: dict[str, str] = {}
     for declaration in settings.__mro__:

@@ -2,7 +2,7 @@
 
 from docs.tables import NOTE, table
 from prp_gym.comparison.audit import LEAST_CORRELATION
-from prp_gym.comparison.gauges import GAUGES
+from prp_gym.comparison.task_error import TASK_ERRORS
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import GROUPS
 
@@ -27,9 +27,9 @@ def metrics_page() -> str:
 def _physical_errors() -> str:
     """Against which errors `prp-gym compare` checks the rewards, and why these."""
     rows = []
-    for environment_id, gauge in GAUGES.items():
-        units = "; ".join(", ".join(f"{value:g}" for value in scale) for scale in gauge.parts.values())
-        rows.append((f"`{environment_id}`", gauge.name, units, gauge.reason))
+    for environment_id, task_error in TASK_ERRORS.items():
+        units = "; ".join(", ".join(f"{value:g}" for value in scale) for scale in task_error.parts.values())
+        rows.append((f"`{environment_id}`", task_error.name, units, task_error.reason))
     text = (
         "`prp-gym compare` tells the rank correlation between score and smallness of a physical error, over"
         " all policies of a task and scenario, with a 95 % bootstrap interval over the episodes, flagged"

@@ -24,7 +24,7 @@ PICTURES = (
 def main() -> None:
     """Draw every picture; the name of a camera stands for itself, the others are seen from the overview."""
     FOLDER.mkdir(exist_ok=True)
-    for name, environment_id, law, scenario, seed, seconds in PICTURES:
+    for name, environment_id, controller, scenario, seed, seconds in PICTURES:
         width, height = SIZE
         env = gymnasium.make(
             environment_id,
@@ -34,7 +34,7 @@ def main() -> None:
             width=width,
             height=height,
         )
-        policy = prp_gym.make_baseline(law, env)
+        policy = prp_gym.make_baseline(controller, env)
         observation, _ = env.reset(seed=seed)
         state = None
         for _ in range(round(seconds * 500)):

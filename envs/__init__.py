@@ -1,36 +1,36 @@
 """The Gymnasium environments, one task a file."""
 
-from prp_gym.envs.adaptive import AdaptiveEnv, AdaptiveOptions, AdaptiveTracking, AdaptiveVectorEnv
-from prp_gym.envs.admittance import Admittance, AdmittanceEnv, AdmittanceOptions, AdmittanceVectorEnv
-from prp_gym.envs.compliance import Compliance, ComplianceEnv, ComplianceVectorEnv
+from prp_gym.envs.base.force_task import ForceOptions
+from prp_gym.envs.base.rendering_task import StiffnessOptions, TargetOptions
 from prp_gym.envs.config import EnvConfig
+from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.force import Force, ForceEnv, ForceVectorEnv
-from prp_gym.envs.force_position import (
+from prp_gym.envs.loop_environment import EnvState
+from prp_gym.envs.tasks.adaptive import AdaptiveEnv, AdaptiveOptions, AdaptiveTracking, AdaptiveVectorEnv
+from prp_gym.envs.tasks.admittance import Admittance, AdmittanceEnv, AdmittanceOptions, AdmittanceVectorEnv
+from prp_gym.envs.tasks.compliance import Compliance, ComplianceEnv, ComplianceVectorEnv
+from prp_gym.envs.tasks.force import Force, ForceEnv, ForceVectorEnv
+from prp_gym.envs.tasks.force_position import (
     ForcePosition,
     ForcePositionEnv,
     ForcePositionOptions,
     ForcePositionVectorEnv,
 )
-from prp_gym.envs.force_task import ForceOptions
-from prp_gym.envs.impedance import Impedance, ImpedanceEnv, ImpedanceVectorEnv
-from prp_gym.envs.joint_regulation import JointRegulation, JointRegulationEnv, JointRegulationVectorEnv
-from prp_gym.envs.joint_tracking import (
+from prp_gym.envs.tasks.impedance import Impedance, ImpedanceEnv, ImpedanceVectorEnv
+from prp_gym.envs.tasks.joint_regulation import JointRegulation, JointRegulationEnv, JointRegulationVectorEnv
+from prp_gym.envs.tasks.joint_tracking import (
     JointTracking,
     JointTrackingEnv,
     JointTrackingVectorEnv,
     TrackingOptions,
 )
-from prp_gym.envs.loop import EpisodeLoop
-from prp_gym.envs.loop_environment import EnvState
-from prp_gym.envs.pose_regulation import PoseRegulation, PoseRegulationEnv, PoseRegulationVectorEnv
-from prp_gym.envs.pose_tracking import (
+from prp_gym.envs.tasks.pose_regulation import PoseRegulation, PoseRegulationEnv, PoseRegulationVectorEnv
+from prp_gym.envs.tasks.pose_tracking import (
     PoseTracking,
     PoseTrackingEnv,
     PoseTrackingOptions,
     PoseTrackingVectorEnv,
 )
-from prp_gym.envs.rendering_task import StiffnessOptions, TargetOptions
 from prp_gym.envs.vector import PRPVectorEnv, VectorState
 from prp_gym.envs.view import EnvironmentView
 

@@ -7,10 +7,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.base.data import load_task_numbers
 from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
-from prp_gym.envs.data import load_task_numbers
-from prp_gym.envs.loop import EpisodeLoop
+from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment, make_loop
 from prp_gym.errors import RenderingError, ShapeError
 from prp_gym.physics.rendering import NO_DISPLAY, WindowRenderer, has_display
@@ -63,9 +63,9 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         return make_loop(partial(self.make_task, options=self.options), self.config, num_envs, num_threads)
 
     @property
-    def truth(self) -> Array:
-        """What is true now (size), laid out as `task.truth_layout`; policies see the observation."""
-        return self.truth_of(0)
+    def ground_truth(self) -> Array:
+        """What is true now (size), laid out as `task.ground_truth_layout`; policies see the observation."""
+        return self.ground_truth_of(0)
 
     @property
     def commanded_torque(self) -> Array:
@@ -139,17 +139,17 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
             RenderingError: nothing can be drawn on this machine.
         """
         if self.render_mode != "human":
-            return self.picture(0)
-        self.require_pictures()
+            return self.frame(0)
+        self.require_rendering()
         physics = self.physics
         if not isinstance(self._renderer, WindowRenderer):
             self._renderer = WindowRenderer(physics.model(), physics.data(), self.config.camera)
-        self._renderer.show(physics.model(), physics.data(), self.marks(0))
+        self._renderer.show(physics.model(), physics.data(), self.overlay(0))
         return None
 
     def close(self) -> None:
         """Free window and drawing context."""
-        self.close_pictures()
+        self.close_renderer()
 
     def get_state(self) -> EnvState:
         """Copy of all that determines how the environment goes on, its generator included.

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from prp_gym.envs.action_mode import TORQUE, ActionField, ModeMaker
 from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
-from prp_gym.envs.info import InfoField
-from prp_gym.envs.loop import EpisodeLoop, LoopState
-from prp_gym.envs.mode_loop import ModeLoop
+from prp_gym.envs.core.info import InfoField
+from prp_gym.envs.core.loop import EpisodeLoop, LoopState
+from prp_gym.envs.core.mode_loop import ModeLoop
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
 from prp_gym.physics.batch_simulation import Simulation
-from prp_gym.physics.rendering import Mark, OffscreenRenderer, WindowRenderer, force_arrow
+from prp_gym.physics.rendering import OffscreenRenderer, OverlayItem, WindowRenderer, force_arrow
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
@@ -132,9 +132,9 @@ class LoopEnvironment:
         """Of one environment: the action's parts over their bounds."""
         return Box(-1.0, 1.0, (self._loop.action_size,), np.float32)
 
-    def truth_of(self, index: int) -> Array:
-        """What is true of one environment now (size), laid out as `task.truth_layout`."""
-        return np.array(self._loop.truth[index])
+    def ground_truth_of(self, index: int) -> Array:
+        """What is true of one environment now (size), laid out as `task.ground_truth_layout`."""
+        return np.array(self._loop.ground_truth[index])
 
     def commanded_torque_of(self, index: int) -> Array:
         """Joint torques that the last action of one environment asked for, limited (joints) [N m, N, N m]."""
@@ -179,7 +179,7 @@ class LoopEnvironment:
             checked[name] = np.broadcast_to(values, (self._loop.num_envs, *shape))
         return checked
 
-    def picture(self, index: int) -> NDArray[Any]:
+    def frame(self, index: int) -> NDArray[Any]:
         """One environment as (height, width, 3) uint8, or as (height, width) float32 distances [m].
 
         Raises:
@@ -187,13 +187,13 @@ class LoopEnvironment:
             RenderingError: nothing can be drawn on this machine.
         """
         config, physics = self.config, self.physics
-        self.require_pictures()
+        self.require_rendering()
         if not isinstance(self._renderer, OffscreenRenderer):
             self._renderer = OffscreenRenderer(physics.model(), config.width, config.height, config.camera)
         depth = config.render_mode == "depth_array"
-        return self._renderer.draw(physics.data(index), self.marks(index), depth=depth)
+        return self._renderer.draw(physics.data(index), self.overlay(index), depth=depth)
 
-    def require_pictures(self) -> None:
+    def require_rendering(self) -> None:
         """Refuse to draw without a `render_mode` or an episode.
 
         Raises:
@@ -205,13 +205,13 @@ class LoopEnvironment:
             )
         self.require_started("render")
 
-    def marks(self, index: int) -> list[Mark]:
+    def overlay(self, index: int) -> list[OverlayItem]:
         """What is drawn beside one environment's robot: goal, reference path, contact force."""
-        marks = self.task.marks(index, self.duration)
+        overlay = self.task.overlay(index, self.duration)
         force = self.physics.contact_force[index]
         if np.any(force):
-            marks.append(force_arrow(self.physics.tip_position[index], force))
-        return marks
+            overlay.append(force_arrow(self.physics.tip_position[index], force))
+        return overlay
 
     def require_started(self, method: str) -> None:
         """Refuse what needs an episode before there is one.
@@ -258,7 +258,7 @@ class LoopEnvironment:
             generator.bit_generator.state = dict(saved)
         return observation
 
-    def close_pictures(self) -> None:
+    def close_renderer(self) -> None:
         """Free window and drawing context."""
         if self._renderer is not None:
             self._renderer.close()

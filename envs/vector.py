@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.checks import as_numbers, whole
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
+from prp_gym.envs.core.step import Step
 from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment, make_loop
-from prp_gym.envs.step import Step
 from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
 from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
@@ -99,9 +99,9 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         return tuple(EnvironmentView(self, index) for index in range(self.num_envs))
 
     @property
-    def truth(self) -> Array:
-        """What is true now (N, size), laid out as `task.truth_layout`; policies see the observation."""
-        return self._loop.truth.copy()
+    def ground_truth(self) -> Array:
+        """Ground truth (N, size), laid out as `task.ground_truth_layout`; policies see the observation."""
+        return self._loop.ground_truth.copy()
 
     @property
     def commanded_torque(self) -> Array:
@@ -148,10 +148,10 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         """
         if not isinstance(options, Mapping | None):
             raise InvalidValueError("reset options", options, "a dictionary")
-        asked = dict(options or {})
+        target_impedance = dict(options or {})
         everyone = np.ones(self.num_envs, dtype=np.bool_)
-        mask = checked_mask(asked.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
-        checked = self.checked_options(asked, ((), (self.num_envs,)))
+        mask = checked_mask(target_impedance.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
+        checked = self.checked_options(target_impedance, ((), (self.num_envs,)))
         seeds = self.generators.own_seeds(seed)
         for index in np.flatnonzero(mask):
             if seeds[index] is not None:
@@ -237,7 +237,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     def render(self) -> tuple[NDArray[Any], ...]:
         """A picture of every environment; see `PRPEnv.render`."""
-        return tuple(self.picture(index) for index in range(self.num_envs))
+        return tuple(self.frame(index) for index in range(self.num_envs))
 
     def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
         """An attribute of every environment, or what it returns where it is a method."""
@@ -262,7 +262,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     def close_extras(self, **_: Any) -> None:
         """Free the drawing context."""
-        self.close_pictures()
+        self.close_renderer()
 
     def get_state(self) -> VectorState:
         """Copy of all that determines how the environments go on, their generators included.

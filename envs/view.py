@@ -55,9 +55,9 @@ class EnvironmentView:
         return self
 
     @property
-    def truth(self) -> Array:
-        """What is true now (size), laid out as `task.truth_layout`."""
-        return self._together.truth_of(self.index)
+    def ground_truth(self) -> Array:
+        """What is true now (size), laid out as `task.ground_truth_layout`."""
+        return self._together.ground_truth_of(self.index)
 
     @property
     def commanded_torque(self) -> Array:
@@ -91,7 +91,7 @@ class EnvironmentView:
 
     def render(self) -> NDArray[Any]:
         """A picture of this environment; see `PRPEnv.render`."""
-        return self._together.picture(self.index)
+        return self._together.frame(self.index)
 
     def reset(self, **_: object) -> None:
         """Refused: one among many is reset through them."""

@@ -19,8 +19,8 @@ from prp_gym.registration import list_envs, register_environments
 from prp_gym.robot import PRPArm, RobotParameters
 
 if TYPE_CHECKING:
-    from prp_gym.agents.agent_file import list_agents, load_agent
-    from prp_gym.agents.make_vec_env import make_sb3_vec_env
+    from prp_gym.agents.policy.agent_file import list_agents, load_agent
+    from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
     from prp_gym.baselines.registry import list_baselines, make_baseline
     from prp_gym.evaluation.evaluate import evaluate
 
@@ -42,11 +42,11 @@ __all__ = [
 
 _IMPORTED_ON_USE = {
     "evaluate": "prp_gym.evaluation.evaluate",
-    "list_agents": "prp_gym.agents.agent_file",
+    "list_agents": "prp_gym.agents.policy.agent_file",
     "list_baselines": "prp_gym.baselines.registry",
-    "load_agent": "prp_gym.agents.agent_file",
+    "load_agent": "prp_gym.agents.policy.agent_file",
     "make_baseline": "prp_gym.baselines.registry",
-    "make_sb3_vec_env": "prp_gym.agents.make_vec_env",
+    "make_sb3_vec_env": "prp_gym.agents.sb3.make_vec_env",
 }
 
 register_environments()

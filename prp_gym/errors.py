@@ -100,12 +100,12 @@ class UnreachableError(PRPError, ValueError):
 class MissingFieldError(PRPError, ValueError):
     """A control law on an observation that lacks what the law reads."""
 
-    def __init__(self, law: str, missing: Sequence[str], available: Sequence[str]) -> None:
-        self.law = law
+    def __init__(self, controller: str, missing: Sequence[str], available: Sequence[str]) -> None:
+        self.controller = controller
         self.missing = tuple(missing)
         self.available = tuple(available)
         super().__init__(
-            f"law {law!r} reads observation fields that this environment does not give:"
+            f"law {controller!r} reads observation fields that this environment does not give:"
             f" {', '.join(self.missing)}. Fields given: {', '.join(self.available)}."
         )
 

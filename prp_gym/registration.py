@@ -31,48 +31,52 @@ class EnvironmentEntry:
 ENVIRONMENTS = (
     EnvironmentEntry(
         "PRP-JointRegulation-v0",
-        "prp_gym.envs.joint_regulation:JointRegulationEnv",
+        "prp_gym.envs.tasks.joint_regulation:JointRegulationEnv",
         "bring the joints to a position and hold it",
     ),
     EnvironmentEntry(
         "PRP-JointTracking-v0",
-        "prp_gym.envs.joint_tracking:JointTrackingEnv",
+        "prp_gym.envs.tasks.joint_tracking:JointTrackingEnv",
         "follow a joint-space trajectory",
     ),
     EnvironmentEntry(
         "PRP-Adaptive-v0",
-        "prp_gym.envs.adaptive:AdaptiveEnv",
+        "prp_gym.envs.tasks.adaptive:AdaptiveEnv",
         "follow a trajectory with one link of unknown inertia, friction and weight",
     ),
     EnvironmentEntry(
         "PRP-PoseRegulation-v0",
-        "prp_gym.envs.pose_regulation:PoseRegulationEnv",
+        "prp_gym.envs.tasks.pose_regulation:PoseRegulationEnv",
         "bring the end effector to a pose and hold it",
     ),
     EnvironmentEntry(
         "PRP-PoseTracking-v0",
-        "prp_gym.envs.pose_tracking:PoseTrackingEnv",
+        "prp_gym.envs.tasks.pose_tracking:PoseTrackingEnv",
         "follow a trajectory of the end effector's pose",
     ),
     EnvironmentEntry(
-        "PRP-Compliance-v0", "prp_gym.envs.compliance:ComplianceEnv", "give way to a surface as a spring does"
+        "PRP-Compliance-v0",
+        "prp_gym.envs.tasks.compliance:ComplianceEnv",
+        "give way to a surface as a spring does",
     ),
     EnvironmentEntry(
         "PRP-Impedance-v0",
-        "prp_gym.envs.impedance:ImpedanceEnv",
+        "prp_gym.envs.tasks.impedance:ImpedanceEnv",
         "behave towards a surface as a mass, damper and spring does",
     ),
     EnvironmentEntry(
         "PRP-Admittance-v0",
-        "prp_gym.envs.admittance:AdmittanceEnv",
+        "prp_gym.envs.tasks.admittance:AdmittanceEnv",
         "give way to a surface as a compliant frame does",
     ),
     EnvironmentEntry(
-        "PRP-Force-v0", "prp_gym.envs.force:ForceEnv", "press on a surface with a given force, hold the rest"
+        "PRP-Force-v0",
+        "prp_gym.envs.tasks.force:ForceEnv",
+        "press on a surface with a given force, hold the rest",
     ),
     EnvironmentEntry(
         "PRP-ForcePosition-v0",
-        "prp_gym.envs.force_position:ForcePositionEnv",
+        "prp_gym.envs.tasks.force_position:ForcePositionEnv",
         "press on a surface with a given force while moving along it",
     ),
 )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from prp_gym.action_modes.steered_law import ResidualMode, SteeredLaw
+from prp_gym.action_modes.steering import ResidualMode, SteeredController
 from prp_gym.baselines.policy import ControlInterface
 from prp_gym.baselines.registry import list_baselines
 from prp_gym.envs.action_mode import TORQUE, ActionField, ActionMode
@@ -88,13 +88,13 @@ class ModeEntry:
 
     Attributes:
         name: of the mode.
-        law: the baseline that runs inside, with its `tuned` gains.
+        controller: the baseline that runs inside, with its `tuned` gains.
         fields: the parts of an action, from the number of joints.
         summary: one line for listings.
     """
 
     name: str
-    law: str
+    controller: str
     fields: Callable[[int], Fields]
     summary: str
 
@@ -152,9 +152,9 @@ def list_action_modes(layout: ObservationLayout | None = None) -> list[str]:
     Args:
         layout: `env.unwrapped.observation_layout`; all modes without it.
     """
-    laws = list_baselines(layout)
-    steered = [entry.name for entry in MODES.values() if entry.law in laws]
-    return [TORQUE, *steered, *(f"{RESIDUAL}{law}" for law in laws)]
+    controllers = list_baselines(layout)
+    steered = [entry.name for entry in MODES.values() if entry.controller in controllers]
+    return [TORQUE, *steered, *(f"{RESIDUAL}{controller}" for controller in controllers)]
 
 
 def make_action_mode(name: str, task: Task[Any], torque_limit: Array, period: float) -> ActionMode:
@@ -174,13 +174,13 @@ def make_action_mode(name: str, task: Task[Any], torque_limit: Array, period: fl
     if name not in names:
         raise UnknownNameError("action_mode", name, (TORQUE, *names))
     interface = ControlInterface(
-        task.environment_id, task.layout, torque_limit, period, task.model, task.asked
+        task.environment_id, task.layout, torque_limit, period, task.model, task.target_impedance
     )
     if name.startswith(RESIDUAL):
         field = residual_field(torque_limit, task.model.parameters.torque_limit)
         return ResidualMode(name.removeprefix(RESIDUAL), field, interface)
     entry = MODES[name]
-    return SteeredLaw(entry.law, entry.fields(len(torque_limit)), interface, SMOOTHING_TIME)
+    return SteeredController(entry.controller, entry.fields(len(torque_limit)), interface, SMOOTHING_TIME)
 
 
 def residual_field(torque_limit: Sequence[float] | Array, nominal: Sequence[float]) -> ActionField:

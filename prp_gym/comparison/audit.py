@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.comparison.gauges import GAUGES, Gauge, physical_errors
 from prp_gym.comparison.rank import rank_correlation, resampled_correlations
-from prp_gym.comparison.values import Place
+from prp_gym.comparison.task_error import TASK_ERRORS, TaskError, physical_errors
+from prp_gym.comparison.values import Condition
 from prp_gym.evaluation.resampling import cut_tails
 from prp_gym.evaluation.statistics import Estimate, interquartile_mean
 from prp_gym.robot.arrays import Array
@@ -48,35 +48,35 @@ class Audit:
         return not self.correlation.value >= LEAST_CORRELATION
 
 
-def audit_rewards(places: Iterable[Place], seed: int) -> list[Audit]:
+def audit_rewards(conditions: Iterable[Condition], seed: int) -> list[Audit]:
     """An audit of every place over all its policies, the bad ones included.
 
     Args:
-        places: with their policies.
+        conditions: with their policies.
         seed: of the bootstrap.
     """
-    return [_audit(place, GAUGES[place.environment_id], seed) for place in places]
+    return [_audit(place, TASK_ERRORS[place.environment_id], seed) for place in conditions]
 
 
-def _audit(place: Place, gauge: Gauge, seed: int) -> Audit:
+def _audit(place: Condition, task_error: TaskError, seed: int) -> Audit:
     episodes = len(place.seeds)
     every = np.arange(episodes, dtype=np.int64)[None]
     drawn = np.random.default_rng(seed).integers(episodes, size=(_RESAMPLES, episodes))
-    scores, errors = _aggregate(place, gauge, every)
+    scores, errors = _aggregate(place, task_error, every)
     value = rank_correlation(scores[0], -errors[0])
-    drawn_scores, drawn_errors = _aggregate(place, gauge, drawn)
+    drawn_scores, drawn_errors = _aggregate(place, task_error, drawn)
     found = resampled_correlations(drawn_scores, -drawn_errors)
     low, high = cut_tails(found, _CONFIDENCE) if len(found) else (np.nan, np.nan)
     pairs = zip(scores[0].tolist(), errors[0].tolist(), strict=True)
     policies = dict(zip([entry.policy for entry in place.entries], pairs, strict=True))
     correlation = Estimate(value, float(low), float(high))
-    return Audit(place.environment_id, place.scenario, gauge.name, policies, correlation)
+    return Audit(place.environment_id, place.scenario, task_error.name, policies, correlation)
 
 
-def _aggregate(place: Place, gauge: Gauge, drawn: _Indices) -> tuple[Array, Array]:
+def _aggregate(place: Condition, task_error: TaskError, drawn: _Indices) -> tuple[Array, Array]:
     """Score and error of every policy on episodes (resamples, n), the same for all: (resamples, policies)."""
     scores = [_mean(entry.scores, drawn) for entry in place.entries]
-    errors = [_mean(physical_errors(entry, gauge), drawn) for entry in place.entries]
+    errors = [_mean(physical_errors(entry, task_error), drawn) for entry in place.entries]
     return np.stack(scores, axis=-1), np.stack(errors, axis=-1)
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from prp_gym.comparison.statistics import best_of, score_of
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, Entry, History, Place
+from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, Condition, Entry, History
 
 _MINUTE = 60.0  # s
 
@@ -79,21 +79,21 @@ class Effort:
     violations: float
 
 
-def learning_efforts(places: Sequence[Place]) -> list[Effort]:
+def learning_efforts(conditions: Sequence[Condition]) -> list[Effort]:
     """Efforts of all agents and equal-budget laws, each once.
 
     A policy that learned in a scenario without a law among the places has no goal and is left out.
 
     Args:
-        places: with their policies.
+        conditions: with their policies.
     """
     goals = {}
-    for place in places:
-        laws = place.of_kind(*CLASSICAL)
-        if laws:
-            goals[place.environment_id, place.scenario] = score_of(best_of(laws))
+    for place in conditions:
+        controllers = place.of_kind(*CLASSICAL)
+        if controllers:
+            goals[place.environment_id, place.scenario] = score_of(best_of(controllers))
     efforts = {}
-    for place in places:
+    for place in conditions:
         for entry in place.of_kind(AGENT, BUDGET):
             scenario = entry.histories[0].scenario if entry.histories else ""
             if (place.environment_id, scenario) in goals:

@@ -8,7 +8,7 @@ import numpy as np
 from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, new_figure, to_png
 from prp_gym.comparison.statistics import best_of, score_of
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, LAW, Entry, History, Place
+from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, CONTROLLER, Condition, Entry, History
 from prp_gym.robot.arrays import Array
 
 if TYPE_CHECKING:
@@ -36,21 +36,21 @@ def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
     return grid, np.stack(scores)
 
 
-def draw_learning(places: Sequence[Place]) -> bytes:
+def draw_learning(conditions: Sequence[Condition]) -> bytes:
     """Score against simulated time, a panel an environment and scenario of training.
 
     A line is the median over training seeds, its band their range; a law that was tuned is a staircase, the
     best law a horizontal line. Scores are those of held-out episodes of a training, or of the episodes of a
     tuning.
     """
-    panels = _panels(places)
+    panels = _panels(conditions)
     columns = min(_COLUMNS, len(panels))
     rows = -(-len(panels) // _COLUMNS)
     figure = new_figure(max(5.2 * columns, 8.0), 4.0 * rows + 0.8)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     goals = {
         (place.environment_id, place.scenario): score_of(best_of(place.of_kind(*CLASSICAL)))
-        for place in places
+        for place in conditions
         if place.of_kind(*CLASSICAL)
     }
     agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
@@ -66,10 +66,10 @@ def draw_learning(places: Sequence[Place]) -> bytes:
     return to_png(figure)
 
 
-def _panels(places: Sequence[Place]) -> Mapping[tuple[str, str], list[Entry]]:
+def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[Entry]]:
     """What learned, once each, by environment and scenario of the training."""
     seen: dict[tuple[str, str], Entry] = {}
-    for place in places:
+    for place in conditions:
         for entry in place.of_kind(AGENT, BUDGET):
             if entry.histories:
                 seen[place.environment_id, entry.policy] = entry
@@ -95,7 +95,7 @@ def _draw_panel(
         (line,) = axes.step(time, history.score, style, where="post", color=COLORS[BUDGET])
         lines.setdefault(label, line)
     for goal in goals:
-        lines["best law"] = axes.axhline(goal, color=COLORS[LAW], linestyle="-.", linewidth=1.3)
+        lines["best law"] = axes.axhline(goal, color=COLORS[CONTROLLER], linestyle="-.", linewidth=1.3)
         axes.annotate(f"{goal:.3f}", (0.01, goal), xycoords=("axes fraction", "data"), va="top", fontsize=8)
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.02)

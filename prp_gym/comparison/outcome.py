@@ -8,13 +8,13 @@ from prp_gym.comparison.audit import Audit, audit_rewards
 from prp_gym.comparison.effort import Effort, learning_efforts
 from prp_gym.comparison.statistics import (
     Aggregate,
-    Duel,
+    PairwiseComparison,
     aggregate_tasks,
     compare_best,
     estimate_score,
     training_spread,
 )
-from prp_gym.comparison.values import AGENT, Place, Record, group_places
+from prp_gym.comparison.values import AGENT, Condition, Record, group_conditions
 from prp_gym.evaluation.results import to_plain
 
 
@@ -23,16 +23,16 @@ class Outcome:
     """What a comparison finds.
 
     Attributes:
-        places: environments and scenarios with their policies.
-        duels: the best law against the best agent, where there are both.
+        conditions: environments and scenarios with their policies.
+        pairwise_comparisons: the best law against the best agent, where there are both.
         aggregates: families of policies over their tasks.
         efforts: what learning cost.
         audits: reward against physical error.
         seed: of every bootstrap.
     """
 
-    places: tuple[Place, ...]
-    duels: tuple[Duel, ...]
+    conditions: tuple[Condition, ...]
+    pairwise_comparisons: tuple[PairwiseComparison, ...]
     aggregates: tuple[Aggregate, ...]
     efforts: tuple[Effort, ...]
     audits: tuple[Audit, ...]
@@ -49,32 +49,32 @@ class Outcome:
         Raises:
             InvalidValueError: policies that did not meet the same episodes.
         """
-        places = group_places(records)
+        conditions = group_conditions(records)
         return cls(
-            places=tuple(places),
-            duels=tuple(compare_best(places, seed)),
-            aggregates=tuple(aggregate_tasks(places, seed)),
-            efforts=tuple(learning_efforts(places)),
-            audits=tuple(audit_rewards(places, seed)),
+            conditions=tuple(conditions),
+            pairwise_comparisons=tuple(compare_best(conditions, seed)),
+            aggregates=tuple(aggregate_tasks(conditions, seed)),
+            efforts=tuple(learning_efforts(conditions)),
+            audits=tuple(audit_rewards(conditions, seed)),
             seed=seed,
         )
 
     @property
     def spread(self) -> bool:
         """Whether there are agents, which differ by training seed."""
-        return any(place.of_kind(AGENT) for place in self.places)
+        return any(place.of_kind(AGENT) for place in self.conditions)
 
     @property
     def learned(self) -> bool:
         """Whether there is a policy whose training or tuning is known."""
-        return any(entry.histories for place in self.places for entry in place.entries)
+        return any(entry.histories for place in self.conditions for entry in place.entries)
 
     def to_plain(self) -> dict[str, Any]:
         """All of it but the records themselves, as strict JSON knows it."""
         plain: dict[str, Any] = to_plain(
             {
-                "scores": [row for place in self.places for row in self._scores(place)],
-                "duels": [_duel(duel) for duel in self.duels],
+                "scores": [row for place in self.conditions for row in self._scores(place)],
+                "pairwise_comparisons": [_pairwise(pairwise) for pairwise in self.pairwise_comparisons],
                 "aggregates": [_aggregate(item) for item in self.aggregates],
                 "efforts": self.efforts,
                 "audits": [_audit(audit) for audit in self.audits],
@@ -82,7 +82,7 @@ class Outcome:
         )
         return plain
 
-    def _scores(self, place: Place) -> list[dict[str, Any]]:
+    def _scores(self, place: Condition) -> list[dict[str, Any]]:
         return [
             {
                 "environment": place.environment_id,
@@ -98,13 +98,13 @@ class Outcome:
         ]
 
 
-def _duel(duel: Duel) -> dict[str, Any]:
-    intervals = ("law_score", "agent_score", "difference")
+def _pairwise(pairwise: PairwiseComparison) -> dict[str, Any]:
+    intervals = ("controller_score", "agent_score", "difference")
     return {
-        **vars(duel),
-        **{name: getattr(duel, name)._asdict() for name in intervals},
-        "apart": duel.apart,
-        "verdict": duel.verdict,
+        **vars(pairwise),
+        **{name: getattr(pairwise, name)._asdict() for name in intervals},
+        "apart": pairwise.apart,
+        "verdict": pairwise.verdict,
     }
 
 

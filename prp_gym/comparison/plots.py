@@ -14,16 +14,16 @@ from prp_gym.comparison.statistics import (
     score_of,
 )
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, BUDGET, LAW, ZERO, Place
+from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, ZERO, Condition
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLORS = {LAW: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
+COLORS = {CONTROLLER: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
 """Of the kinds of policies."""
 
-NAMES = {LAW: "law", BUDGET: "law, equal budget", AGENT: "agent", ZERO: "no torque"}
+NAMES = {CONTROLLER: "controller", BUDGET: "law, equal budget", AGENT: "agent", ZERO: "no torque"}
 MODE_COLORS = (
     "#d1661f",
     "#5a9e3d",
@@ -39,7 +39,7 @@ MODE_COLORS = (
 
 GRID = "#dddddd"
 _DPI = 100
-_MARKERS = {LAW: "o", BUDGET: "s", AGENT: "D", ZERO: "x"}
+_MARKERS = {CONTROLLER: "o", BUDGET: "s", AGENT: "D", ZERO: "x"}
 _MICROSECONDS = 1e6
 
 
@@ -66,7 +66,7 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
     shown = [item for item in aggregates if item.family != BEST_AGENT]
     families = list(dict.fromkeys(item.family for item in shown))
     modes = [name for name in families if name not in (BEST_LAW, BEST_BUDGET_LAW)]
-    colors = {BEST_LAW: COLORS[LAW], BEST_BUDGET_LAW: COLORS[BUDGET]}
+    colors = {BEST_LAW: COLORS[CONTROLLER], BEST_BUDGET_LAW: COLORS[BUDGET]}
     colors |= {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in enumerate(modes)}
     figure = new_figure(6.0 * len(scenarios), 5.5)
     for axes, scenario in zip(figure.subplots(1, len(scenarios), squeeze=False)[0], scenarios, strict=True):
@@ -84,30 +84,30 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
     return to_png(figure)
 
 
-def draw_scores(places: Sequence[Place], seed: int) -> bytes:
+def draw_scores(conditions: Sequence[Condition], seed: int) -> bytes:
     """Scores by task: the best of each kind with its 95 % interval, all others as small points.
 
     Args:
-        places: with their policies.
+        conditions: with their policies.
         seed: of the bootstrap.
     """
-    scenarios = list(dict.fromkeys(place.scenario for place in places))
-    ids = list(dict.fromkeys(place.environment_id for place in places))
+    scenarios = list(dict.fromkeys(place.scenario for place in conditions))
+    ids = list(dict.fromkeys(place.environment_id for place in conditions))
     figure = new_figure(1.5 + 5.0 * len(scenarios), 1.8 + 0.62 * len(ids))
     rows = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
     for axes, scenario in zip(rows, scenarios, strict=True):
-        for place in (place for place in places if place.scenario == scenario):
+        for place in (place for place in conditions if place.scenario == scenario):
             _draw_place(axes, place, float(ids.index(place.environment_id)), seed)
         axes.set_yticks(range(len(ids)), [short_id(name) for name in ids])
         axes.set(title=f"scenario {scenario}", xlabel="score", xlim=(0.0, 1.02), ylim=(len(ids) - 0.5, -0.5))
         axes.grid(True, axis="x", color=GRID, linewidth=0.6)
         for line in range(1, len(ids)):
             axes.axhline(line - 0.5, color=GRID, linewidth=0.6)
-    _legend(figure, [kind for kind in COLORS if any(place.of_kind(kind) for place in places)])
+    _legend(figure, [kind for kind in COLORS if any(place.of_kind(kind) for place in conditions)])
     return to_png(figure)
 
 
-def _draw_place(axes: "Axes", place: Place, row: float, seed: int) -> None:
+def _draw_place(axes: "Axes", place: Condition, row: float, seed: int) -> None:
     """One row: a line for each kind, the best of it with its interval."""
     kinds = [kind for kind in COLORS if place.of_kind(kind)]
     for kind, offset in zip(kinds, _offsets(len(kinds)), strict=True):
@@ -133,15 +133,17 @@ def _legend(figure: "Figure", kinds: Sequence[str]) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(kinds), frameon=False)
 
 
-def draw_compute(places: Sequence[Place]) -> bytes:
+def draw_compute(conditions: Sequence[Condition]) -> bytes:
     """Compute time of an action against score, a point a policy and task, a panel a scenario."""
-    scenarios = list(dict.fromkeys(place.scenario for place in places))
+    scenarios = list(dict.fromkeys(place.scenario for place in conditions))
     figure = new_figure(6.0 * len(scenarios), 5.0)
     panels = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
-    kinds = [kind for kind in COLORS if kind != ZERO and any(place.of_kind(kind) for place in places)]
+    kinds = [kind for kind in COLORS if kind != ZERO and any(place.of_kind(kind) for place in conditions)]
     for axes, scenario in zip(panels, scenarios, strict=True):
         for kind in kinds:
-            entries = [item for place in places if place.scenario == scenario for item in place.of_kind(kind)]
+            entries = [
+                item for place in conditions if place.scenario == scenario for item in place.of_kind(kind)
+            ]
             times = [_MICROSECONDS * entry.compute_time for entry in entries]
             scores = [score_of(entry) for entry in entries]
             axes.plot(times, scores, _MARKERS[kind], color=COLORS[kind], markersize=5, alpha=0.65)

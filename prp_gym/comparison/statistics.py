@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, LAW, Entry, Place
+from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, CONTROLLER, Condition, Entry
 from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_tasks
 from prp_gym.evaluation.improvement import paired_probability_of_improvement
 from prp_gym.evaluation.profiles import Profile, performance_profile
@@ -70,15 +70,15 @@ def training_spread(entry: Entry) -> Spread:
 
 
 @dataclass(frozen=True)
-class Duel:
+class PairwiseComparison:
     """The best law against the best agent at a place.
 
     Attributes:
         environment_id: of the place.
         scenario: of the place.
-        law: name of the best law of its kind.
+        controller: name of the best law of its kind.
         agent: name of the best agent.
-        law_score: its score.
+        controller_score: its score.
         agent_score: its score.
         difference: agent less law, paired on the evaluation seeds [1].
         probability: that the agent is better on an evaluation seed, averaged over training seeds.
@@ -86,9 +86,9 @@ class Duel:
 
     environment_id: str
     scenario: str
-    law: str
+    controller: str
     agent: str
-    law_score: Estimate
+    controller_score: Estimate
     agent_score: Estimate
     difference: Estimate
     probability: float
@@ -96,46 +96,49 @@ class Duel:
     @property
     def apart(self) -> bool:
         """Whether the intervals of the two scores do not overlap; stricter than the verdict."""
-        return self.law_score.high < self.agent_score.low or self.agent_score.high < self.law_score.low
+        return (
+            self.controller_score.high < self.agent_score.low
+            or self.agent_score.high < self.controller_score.low
+        )
 
     @property
     def verdict(self) -> str:
-        """`agent` or `law` where the interval of the paired difference leaves out 0, else `-`."""
+        """`agent` or `controller` where the interval of the paired difference leaves out 0, else `-`."""
         if self.difference.low > 0.0:
             return AGENT
-        return LAW if self.difference.high < 0.0 else UNDECIDED
+        return CONTROLLER if self.difference.high < 0.0 else UNDECIDED
 
 
-def compare_best(places: Iterable[Place], seed: int) -> list[Duel]:
+def compare_best(conditions: Iterable[Condition], seed: int) -> list[PairwiseComparison]:
     """The best law of either kind against the best agent, at each place that has both.
 
     A law with its own gains had as much tuning as its author gave it; one that was tuned with a budget had as
     much as an agent.
 
     Args:
-        places: with their policies.
+        conditions: with their policies.
         seed: of the bootstrap.
     """
-    duels = []
-    for place, kind in itertools.product(places, CLASSICAL):
-        laws, agents = place.of_kind(kind), place.of_kind(AGENT)
-        if laws and agents:
-            duels.append(_compare(place, best_of(laws), best_of(agents), seed))
-    return duels
+    pairwise_comparisons = []
+    for place, kind in itertools.product(conditions, CLASSICAL):
+        controllers, agents = place.of_kind(kind), place.of_kind(AGENT)
+        if controllers and agents:
+            pairwise_comparisons.append(_compare(place, best_of(controllers), best_of(agents), seed))
+    return pairwise_comparisons
 
 
-def _compare(place: Place, law: Entry, agent: Entry, seed: int) -> Duel:
+def _compare(place: Condition, controller: Entry, agent: Entry, seed: int) -> PairwiseComparison:
     rng = np.random.default_rng(seed)
     ours = {str(row): scores for row, scores in enumerate(agent.scores)}
-    theirs = dict.fromkeys(ours, law.scores[0])
-    return Duel(
+    theirs = dict.fromkeys(ours, controller.scores[0])
+    return PairwiseComparison(
         place.environment_id,
         place.scenario,
-        law.policy,
+        controller.policy,
         agent.policy,
-        estimate_score(law, seed),
+        estimate_score(controller, seed),
         estimate_score(agent, seed),
-        bootstrap_difference(agent.scores, law.scores, rng),
+        bootstrap_difference(agent.scores, controller.scores, rng),
         # its interval is left out: it would know nothing of training seeds
         paired_probability_of_improvement(ours, theirs, rng).value,
     )
@@ -162,31 +165,33 @@ class Aggregate:
     profile: Profile
 
 
-def aggregate_tasks(places: Sequence[Place], seed: int) -> list[Aggregate]:
+def aggregate_tasks(conditions: Sequence[Condition], seed: int) -> list[Aggregate]:
     """Every family in every scenario over its tasks.
 
     Args:
-        places: with their policies.
+        conditions: with their policies.
         seed: of the bootstrap.
     """
     found = []
-    for scenario in dict.fromkeys(place.scenario for place in places):
-        families = _families([place for place in places if place.scenario == scenario])
-        laws = families.get(BEST_LAW, {})
+    for scenario in dict.fromkeys(place.scenario for place in conditions):
+        families = _families([place for place in conditions if place.scenario == scenario])
+        controllers = families.get(BEST_LAW, {})
         for family, scores in families.items():
             found.append(
-                _aggregate(scenario, family, scores, {k: laws[k] for k in scores if k in laws}, seed)
+                _aggregate(
+                    scenario, family, scores, {k: controllers[k] for k in scores if k in controllers}, seed
+                )
             )
     return found
 
 
-def _families(places: Sequence[Place]) -> dict[str, dict[str, Array]]:
+def _families(conditions: Sequence[Condition]) -> dict[str, dict[str, Array]]:
     """Scores (rows, evaluation seeds) of the best of each family by environment."""
     families: dict[str, dict[str, Array]] = {}
-    for place in places:
+    for place in conditions:
         agents = place.of_kind(AGENT)
         members = {
-            BEST_LAW: place.of_kind(LAW),
+            BEST_LAW: place.of_kind(CONTROLLER),
             BEST_BUDGET_LAW: place.of_kind(BUDGET),
             BEST_AGENT: agents,
         }
@@ -199,7 +204,7 @@ def _families(places: Sequence[Place]) -> dict[str, dict[str, Array]]:
 
 
 def _aggregate(
-    scenario: str, family: str, scores: Mapping[str, Array], laws: Mapping[str, Array], seed: int
+    scenario: str, family: str, scores: Mapping[str, Array], controllers: Mapping[str, Array], seed: int
 ) -> Aggregate:
     rng = np.random.default_rng(seed)
     nothing = Estimate(np.nan, np.nan, np.nan)
@@ -208,6 +213,6 @@ def _aggregate(
         family,
         len(scores),
         bootstrap_tasks(scores, rng),
-        bootstrap_tasks(laws, rng) if len(laws) == len(scores) else nothing,
+        bootstrap_tasks(controllers, rng) if len(controllers) == len(scores) else nothing,
         performance_profile({task: rows.ravel() for task, rows in scores.items()}, THRESHOLDS, rng),
     )

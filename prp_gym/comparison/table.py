@@ -9,8 +9,8 @@ from rich.table import Table
 
 from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
 from prp_gym.comparison.effort import Effort
-from prp_gym.comparison.statistics import Aggregate, Duel, estimate_score, training_spread
-from prp_gym.comparison.values import AGENT, VARIED, Entry, Place
+from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, estimate_score, training_spread
+from prp_gym.comparison.values import AGENT, VARIED, Condition, Entry
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.robot.arrays import Array
@@ -37,7 +37,7 @@ def fold(name: str, width: int = _WIDEST_NAME) -> str:
     return "\n".join([*lines, name])
 
 
-def place_table(place: Place, seed: int) -> Table:
+def condition_table(place: Condition, seed: int) -> Table:
     """The policies of a place, best score first and without varied ones, with medians of the metrics.
 
     Args:
@@ -61,32 +61,32 @@ def _median(values: Array) -> Array:
     return np.array([np.median(column) if len(column) else np.nan for column in kept])
 
 
-def duel_table(duels: Iterable[Duel]) -> Table:
+def pairwise_table(pairwise_comparisons: Iterable[PairwiseComparison]) -> Table:
     """The best law against the best agent at every place, a line each."""
     table = _make("best law against best agent", ("environment", "best law, best agent"))
     _add(table, "score", "95 %\ninterval", "differ-\nence", "95 %\ninterval", "P(agent\nbetter)")
     _add(table, "apart", "better")
-    for duel in duels:
-        difference, law, agent = duel.difference, duel.law_score, duel.agent_score
-        table.add_row(short_id(duel.environment_id), fold(duel.law), *_score(law))
+    for pairwise in pairwise_comparisons:
+        difference, controller, agent = pairwise.difference, pairwise.controller_score, pairwise.agent_score
+        table.add_row(short_id(pairwise.environment_id), fold(pairwise.controller), *_score(controller))
         table.add_row(
-            f"  {duel.scenario}",
-            fold(duel.agent),
+            f"  {pairwise.scenario}",
+            fold(pairwise.agent),
             *_score(agent),
             f"{difference.value:+.3f}",
             f"{difference.low:+.3f} {difference.high:+.3f}",
-            f"{duel.probability:.2f}",
-            "yes" if duel.apart else "no",
-            duel.verdict,
+            f"{pairwise.probability:.2f}",
+            "yes" if pairwise.apart else "no",
+            pairwise.verdict,
         )
     return table
 
 
-def spread_table(places: Iterable[Place]) -> Table:
+def spread_table(conditions: Iterable[Condition]) -> Table:
     """Agents by training seed: median and range of their scores."""
     table = _make("agents over training seeds", ("environment", "agent", "action mode"))
     _add(table, "training\nseeds", "median\nscore", "range")
-    for place in places:
+    for place in conditions:
         for entry in place.of_kind(AGENT):
             spread = training_spread(entry)
             table.add_row(

@@ -12,9 +12,9 @@ from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]
 
-LAW, BUDGET, AGENT, ZERO, VARIED = "law", "budget", "agent", "zero", "varied"
+CONTROLLER, BUDGET, AGENT, ZERO, VARIED = "controller", "budget", "agent", "zero", "varied"
 KINDS = {
-    LAW: "a control law with its tuned gains",
+    CONTROLLER: "a control law with its tuned gains",
     BUDGET: "a control law, tuned with a budget of simulated time as an agent's training has one",
     AGENT: "a learned policy",
     ZERO: "no torque at all, the control",
@@ -22,7 +22,7 @@ KINDS = {
 }
 """Kinds of policies."""
 
-CLASSICAL = (LAW, BUDGET)
+CLASSICAL = (CONTROLLER, BUDGET)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class Condition:
     """An environment in a scenario, and the policies that played it.
 
     Attributes:
@@ -141,13 +141,13 @@ class Place:
         return [entry for entry in self.entries if entry.kind in kinds]
 
 
-def group_places(records: Iterable[Record]) -> list[Place]:
+def group_conditions(records: Iterable[Record]) -> list[Condition]:
     """The places of all records, in their order.
 
     Raises:
         InvalidValueError: policies that did not meet the same episodes.
     """
-    return [Place.of(own) for own in _group(records, ("environment", "scenario")).values()]
+    return [Condition.of(own) for own in _group(records, ("environment", "scenario")).values()]
 
 
 def _group(records: Iterable[Record], names: tuple[str, ...]) -> dict[tuple[str, ...], list[Record]]:

@@ -24,13 +24,13 @@ class Recorder:
     def __init__(self, env: Any, loop: Any) -> None:
         rows, joints, horizon = loop.num_envs, loop.joints, loop.config.horizon
         self._env, self._loop = env, loop
-        self._truth = np.empty((horizon + 1, *loop.truth.shape))
+        self._truth = np.empty((horizon + 1, *loop.ground_truth.shape))
         self._torque = np.empty((horizon, rows, joints))
         self._applied = np.empty((horizon, rows, joints))
         self._info = np.empty((horizon, rows, len(loop.info_fields)))
         self._count = 0
         self._ended = np.full(rows, -1)
-        self._truth[0] = loop.truth
+        self._truth[0] = loop.ground_truth
 
     @contextmanager
     def listening(self) -> Iterator[None]:
@@ -44,7 +44,7 @@ class Recorder:
     def _take(self, step: Any) -> None:
         """Write down one period; what comes after a divergence belongs to no episode."""
         index, loop = self._count, self._loop
-        self._truth[index + 1] = loop.truth
+        self._truth[index + 1] = loop.ground_truth
         self._torque[index] = loop.commanded_torque
         self._applied[index] = loop.physics.torque
         self._info[index] = step.info
@@ -71,7 +71,7 @@ class Recorder:
             seed=seed,
             period=1.0 / loop.config.control_frequency,
             duration=float(inner.duration),
-            fields=inner.task.truth_layout.split(self._truth[: steps.stop + 1, row].copy()),
+            fields=inner.task.ground_truth_layout.split(self._truth[: steps.stop + 1, row].copy()),
             torque=self._torque[steps, row].copy(),
             applied_torque=self._applied[steps, row].copy(),
             reward=np.sum(rewards, axis=0),

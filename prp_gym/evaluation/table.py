@@ -111,7 +111,9 @@ COLUMNS = (
 """In the order of the table; together with law, score and time they hold in 120 columns for every task."""
 
 
-def evaluation_table(title: str, rows: Sequence[Row], who: str = "law", timed: str = "law\nµs") -> Table:
+def evaluation_table(
+    title: str, rows: Sequence[Row], who: str = "controller", timed: str = "law\nµs"
+) -> Table:
     """Scores and medians over the episodes, best score first.
 
     Args:

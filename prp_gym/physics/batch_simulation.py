@@ -117,7 +117,7 @@ class Simulation(ABC):
         self._guard(layout)
 
     def _guard(self, layout: SensorLayout) -> None:
-        """What `calm` compares with."""
+        """What `within_limits` compares with."""
         self._threshold = np.full(self._sensors.shape, np.inf)
         self._threshold[:, layout.stop_violation] = 0.0
         self._threshold[:, : 2 * self.joint_count] = self._watched
@@ -186,7 +186,7 @@ class Simulation(ABC):
         self._threshold[:, : 2 * self.joint_count] = bound
 
     @property
-    def calm(self) -> bool:
+    def within_limits(self) -> bool:
         """Whether no joint is beyond its stop and no simulation is out of bounds.
 
         So it mostly is, and asking is faster than asking for each.

@@ -58,7 +58,7 @@ class Arrow:
     color: Color
 
 
-Mark = Ball | Path | Arrow
+OverlayItem = Ball | Path | Arrow
 
 _METRES_PER_NEWTON = 0.02
 _ABOVE_TIP = np.array([0.0, 0.0, 0.05])  # [m]: beside the tip, since an arm may reach through a surface
@@ -69,9 +69,9 @@ def force_arrow(tip_position: Array, force: Array) -> Arrow:
     return Arrow(tip_position + _ABOVE_TIP, force * _METRES_PER_NEWTON, 0.008, FORCE_COLOR)
 
 
-def add_marks(scene: mujoco.MjvScene, marks: Sequence[Mark]) -> None:
+def add_marks(scene: mujoco.MjvScene, overlay: Sequence[OverlayItem]) -> None:
     """Append marks to a scene; what no longer fits into it is left out."""
-    for mark in marks:
+    for mark in overlay:
         match mark:
             case Ball():
                 size = np.full(3, mark.radius)
@@ -130,12 +130,14 @@ class OffscreenRenderer:
                 " osmesa) before mujoco is first imported, and install Mesa's EGL library (Debian: libegl1)."
             ) from error
 
-    def draw(self, data: mujoco.MjData, marks: Sequence[Mark], *, depth: bool = False) -> NDArray[Any]:
+    def draw(
+        self, data: mujoco.MjData, overlay: Sequence[OverlayItem], *, depth: bool = False
+    ) -> NDArray[Any]:
         """One picture.
 
         Args:
             data: the state to show.
-            marks: what to draw beside the model.
+            overlay: what to draw beside the model.
             depth: distances in place of colours; marks are no bodies and have none.
 
         Returns:
@@ -147,9 +149,9 @@ class OffscreenRenderer:
             self._renderer.disable_depth_rendering()
         self._renderer.update_scene(data, camera=self._camera)
         if not depth:
-            add_marks(self._renderer.scene, marks)
-        picture: NDArray[Any] = self._renderer.render().copy()
-        return picture
+            add_marks(self._renderer.scene, overlay)
+        frame: NDArray[Any] = self._renderer.render().copy()
+        return frame
 
     def close(self) -> None:
         """Free the drawing context."""
@@ -202,7 +204,7 @@ class WindowRenderer:
             self._viewer.cam.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
             self._viewer.cam.fixedcamid = model.camera(camera).id
 
-    def show(self, model: mujoco.MjModel, data: mujoco.MjData, marks: Sequence[Mark]) -> None:
+    def show(self, model: mujoco.MjModel, data: mujoco.MjData, overlay: Sequence[OverlayItem]) -> None:
         """Bring the window up to date, also where the surface now is."""
         if not self._viewer.is_running():
             return
@@ -213,7 +215,7 @@ class WindowRenderer:
             self._data.qvel[:] = data.qvel
             mujoco.mj_forward(self._model, self._data)
             self._viewer.user_scn.ngeom = 0
-            add_marks(self._viewer.user_scn, marks)
+            add_marks(self._viewer.user_scn, overlay)
         self._viewer.sync()
 
     def close(self) -> None:

@@ -3,7 +3,7 @@
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Answer, Check, Experiment, Level, Panel, Run
 from prp_gym.reproduction.outcome import FigureOutcome, Verdict, judge
-from prp_gym.reproduction.run import Played, play
+from prp_gym.reproduction.run import RecordedRun, play
 
 __all__ = [
     "Answer",
@@ -13,7 +13,7 @@ __all__ = [
     "FigureOutcome",
     "Level",
     "Panel",
-    "Played",
+    "RecordedRun",
     "Run",
     "Verdict",
     "judge",

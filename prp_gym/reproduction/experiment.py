@@ -23,7 +23,7 @@ class Run:
         name: by which figures and checks refer to it.
         label: in legends.
         environment: id.
-        law: name of the baseline.
+        controller: name of the baseline.
         gains: name of its gain set.
         duration: [s].
         control_frequency: [Hz].
@@ -39,7 +39,7 @@ class Run:
     name: str
     label: str
     environment: str
-    law: str
+    controller: str
     gains: str
     duration: float
     control_frequency: float = 1000.0

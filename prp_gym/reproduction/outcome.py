@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from prp_gym.reproduction.experiment import Answer, Check, Experiment
-from prp_gym.reproduction.run import Played
+from prp_gym.reproduction.run import RecordedRun
 from prp_gym.robot.arrays import Array
 
 _NOTHING = 1e-12
@@ -53,11 +53,11 @@ class FigureOutcome:
     """
 
     experiment: Experiment
-    played: Mapping[str, Played]
+    played: Mapping[str, RecordedRun]
     verdicts: tuple[Verdict, ...]
 
 
-def judge(experiment: Experiment, played: Mapping[str, Played]) -> FigureOutcome:
+def judge(experiment: Experiment, played: Mapping[str, RecordedRun]) -> FigureOutcome:
     """Measure and compare.
 
     Args:
@@ -75,7 +75,7 @@ def judge(experiment: Experiment, played: Mapping[str, Played]) -> FigureOutcome
     return FigureOutcome(experiment, own, tuple(_verdict(check, own) for check in experiment.checks))
 
 
-def _verdict(check: Check, played: Mapping[str, Played]) -> Verdict:
+def _verdict(check: Check, played: Mapping[str, RecordedRun]) -> Verdict:
     predicted = check.predict.compute()
     measured = check.measure.compute(played[check.measure.run].rollout)
     check.require_sizes(predicted, measured)

@@ -9,7 +9,7 @@ from prp_gym.evaluation.results import describe_run, write_file, write_json
 from prp_gym.reproduction.experiment import Answer
 from prp_gym.reproduction.figures import draw, table
 from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show
-from prp_gym.reproduction.run import SCENARIO, Played
+from prp_gym.reproduction.run import SCENARIO, RecordedRun
 
 Answers = Sequence[tuple[Answer, str]]
 
@@ -68,14 +68,14 @@ def _describe_check(outcome: FigureOutcome, verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _describe_played(played: Played) -> dict[str, Any]:
+def _describe_played(played: RecordedRun) -> dict[str, Any]:
     run = played.run
     return {
         "environment": run.environment,
         "scenario": SCENARIO,
         "keywords": _keywords(played),
         "options": run.options,
-        "baseline": run.law,
+        "baseline": run.controller,
         "gains": run.gains,
         "gains_source": played.gains_source,
         "overrides": run.overrides,
@@ -85,14 +85,14 @@ def _describe_played(played: Played) -> dict[str, Any]:
     }
 
 
-def _keywords(played: Played) -> dict[str, Any]:
+def _keywords(played: RecordedRun) -> dict[str, Any]:
     run = played.run
     limit = {"torque_limit": None} if run.unlimited_torque else {}
     times = {"control_frequency": run.control_frequency, "duration": run.duration}
     return {**times, **limit, **run.keywords}
 
 
-def _settings(played: Played) -> Mapping[str, Any]:
+def _settings(played: RecordedRun) -> Mapping[str, Any]:
     return {name: value for name, value in played.settings.items() if name not in _HIDDEN_SETTINGS}
 
 
@@ -142,14 +142,14 @@ def _explanation(verdict: Verdict) -> str:
     return f"{check.what}, {bound}: {check.explanation}"
 
 
-def _setup(played: Played) -> str:
+def _setup(played: RecordedRun) -> str:
     run = played.run
     keywords = ", ".join(f"{name}={value!r}" for name, value in _keywords(played).items())
     numbers = {**_settings(played), **run.overrides}
     settings = ", ".join(f"{name} {_plain(value)}" for name, value in numbers.items())
     options = f", reset options {dict(run.options)}" if run.options else ""
     return (
-        f"- {run.label}: `{run.law}`, gains `{run.gains}` ({settings}; {played.gains_source}), on"
+        f"- {run.label}: `{run.controller}`, gains `{run.gains}` ({settings}; {played.gains_source}), on"
         f" `{run.environment}` ({keywords}{options})"
     )
 

@@ -23,7 +23,7 @@ SCENARIO = "report"
 
 
 @dataclass(frozen=True, eq=False)
-class Played:
+class RecordedRun:
     """A recorded run.
 
     Attributes:
@@ -86,14 +86,14 @@ def check_names(run: Run) -> None:
     """
     for kind, name, valid in (
         ("environment", run.environment, list_envs()),
-        ("baseline", run.law, list(BASELINES)),
-        (f"gain set of law {run.law!r}", run.gains, gain_sets(run.law)),
+        ("baseline", run.controller, list(BASELINES)),
+        (f"gain set of law {run.controller!r}", run.gains, gain_sets(run.controller)),
     ):
         if name not in valid:
             raise UnknownNameError(kind, name, valid)
 
 
-def play(run: Run) -> Played:
+def play(run: Run) -> RecordedRun:
     """Play a run.
 
     Raises:
@@ -109,12 +109,12 @@ def play(run: Run) -> Played:
         **keywords,
     )
     with closing(env):
-        policy = make_baseline(run.law, env, run.gains, **_settings(run.overrides))
+        policy = make_baseline(run.controller, env, run.gains, **_settings(run.overrides))
         recorder = StateRecorder(policy, run.states)
         rollout = record_episode(recorder, env, run.seed, dict(run.options))
-    source = str(load_gains(run.law, run.gains, run.environment)["source"])
+    source = str(load_gains(run.controller, run.gains, run.environment)["source"])
     with_states = replace(rollout, fields={**rollout.fields, **recorder.fields()})
-    return Played(run, with_states, vars(policy.settings), source)
+    return RecordedRun(run, with_states, vars(policy.settings), source)
 
 
 def _settings(overrides: Mapping[str, Any]) -> dict[str, Any]:

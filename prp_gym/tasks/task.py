@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.physics.batch_simulation import Simulation
-from prp_gym.physics.rendering import Mark
+from prp_gym.physics.rendering import OverlayItem
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
@@ -87,7 +87,7 @@ class Task(ABC, Generic[StartT]):
         model: the nominal robot, whatever the plant really is.
         ranges: from which this scenario draws.
         layout: of the observation.
-        truth_layout: of the true values: those of the observation, and the judged fields.
+        ground_truth_layout: of the true values: those of the observation, and the judged fields.
     """
 
     environment_id: ClassVar[str]
@@ -105,10 +105,10 @@ class Task(ABC, Generic[StartT]):
         self.ranges: Mapping[str, Range] = numbers.ranges[scenario.draws]
         observed = (*self.measured_fields, *self.reference_fields)
         self.layout = ObservationLayout(observed)
-        self.truth_layout = ObservationLayout((*observed, *self.judged_fields))
+        self.ground_truth_layout = ObservationLayout((*observed, *self.judged_fields))
 
     @property
-    def asked(self) -> Mapping[str, Array]:
+    def target_impedance(self) -> Mapping[str, Array]:
         """What the robot is to behave like: `inertia`, `damping`, `stiffness` (6) of a target, or nothing."""
         return {}
 
@@ -161,22 +161,22 @@ class Task(ABC, Generic[StartT]):
             (..., n, size of the reference fields).
         """
 
-    def advance(self, truth: Array) -> None:
+    def advance(self, ground_truth: Array) -> None:
         """Let what the task itself integrates go on by one period.
 
         Args:
-            truth: (N, truth_layout.size) at the period's end, all but the judged fields.
+            ground_truth: (N, truth_layout.size) at the period's end, all but the judged fields.
         """
 
-    def complete(self, truth: Array) -> None:
+    def complete(self, ground_truth: Array) -> None:
         """Write the judged fields into true values (N, truth_layout.size), in place."""
 
     @abstractmethod
-    def errors(self, truth: Array, torque: Array) -> Array:
+    def errors(self, ground_truth: Array, torque: Array) -> Array:
         """The errors that the reward's terms judge, in the terms' order and units.
 
         Args:
-            truth: (..., truth_layout.size), after the step.
+            ground_truth: (..., truth_layout.size), after the step.
             torque: (..., joints) commanded torque, within the actuator limits [N m, N, N m].
 
         Returns:
@@ -184,5 +184,5 @@ class Task(ABC, Generic[StartT]):
         """
 
     @abstractmethod
-    def marks(self, index: int, duration: float) -> list[Mark]:
+    def overlay(self, index: int, duration: float) -> list[OverlayItem]:
         """What to draw for one environment: goal and reference path, over a duration [s]."""

@@ -11,7 +11,7 @@ from prp_gym.evaluation.rollout import Policy, check_environment
 from prp_gym.robot.arrays import Array
 
 
-class Played(NamedTuple):
+class EpisodeScores(NamedTuple):
     """What episodes came to.
 
     Attributes:
@@ -49,7 +49,7 @@ class Episodes:
         """Steps of all environments together where no episode ends early."""
         return self._horizon * len(self._seeds)
 
-    def play(self, policy: Policy) -> Played:
+    def play(self, policy: Policy) -> EpisodeScores:
         """The scores of a policy."""
         count = len(self._seeds)
         rngs = [seeding.np_random(int(seed))[0] for seed in self._seeds]
@@ -68,4 +68,4 @@ class Episodes:
             steps += int(np.count_nonzero(alive))
             alive &= ~step.terminated
             observation = step.observation
-        return Played(returns / self._duration, steps)
+        return EpisodeScores(returns / self._duration, steps)

@@ -21,7 +21,7 @@ class TuningTask:
 
     Attributes:
         environment_id: for `gymnasium.make`.
-        law: a baseline.
+        controller: a baseline.
         scenario: of the environment.
         control_frequency: actions a second [Hz].
         budget: control steps that may be simulated, of all environments together.
@@ -33,7 +33,7 @@ class TuningTask:
     """
 
     environment_id: str
-    law: str
+    controller: str
     scenario: str
     control_frequency: float
     budget: int

@@ -64,9 +64,9 @@ class Tuned:
         return points if points[-1][0] == used else [*points, (used, best)]
 
 
-def start_gains(law: str, environment_id: str, control_frequency: float) -> str:
+def start_gains(controller: str, environment_id: str, control_frequency: float) -> str:
     """The gain set from which a search starts: `tuned`, or the one for 50 Hz where that is too fast."""
-    least = load_gains(law, "tuned", environment_id).get("minimum_frequency", 0.0)
+    least = load_gains(controller, "tuned", environment_id).get("minimum_frequency", 0.0)
     return "tuned" if control_frequency >= least else "tuned_50hz"
 
 
@@ -76,10 +76,10 @@ def search_space(task: TuningTask, env: gymnasium.Env[Any, Any]) -> SearchSpace:
     Raises:
         PRPError: a law that does not exist, or does not run on the environment or at its control frequency.
     """
-    if task.law not in BASELINES:
-        raise UnknownNameError("baseline", task.law, BASELINES)
-    gains = start_gains(task.law, task.environment_id, task.control_frequency)
-    return SearchSpace.of(make_baseline(task.law, env, gains))
+    if task.controller not in BASELINES:
+        raise UnknownNameError("baseline", task.controller, BASELINES)
+    gains = start_gains(task.controller, task.environment_id, task.control_frequency)
+    return SearchSpace.of(make_baseline(task.controller, env, gains))
 
 
 def tune(
@@ -119,7 +119,7 @@ def tune(
     while used + episodes.most_steps <= task.budget:
         before = time.perf_counter()
         factors = study.propose()
-        score, steps = _play(task.law, env, space.settings(factors), episodes)
+        score, steps = _play(task.controller, env, space.settings(factors), episodes)
         trial = study.record(score, steps, time.perf_counter() - before)
         used += trial.steps
         on_trial(trial)
@@ -128,11 +128,11 @@ def tune(
 
 
 def _play(
-    law: str, env: gymnasium.Env[Any, Any], settings: Mapping[str, Any], episodes: Episodes
+    controller: str, env: gymnasium.Env[Any, Any], settings: Mapping[str, Any], episodes: Episodes
 ) -> tuple[float, int]:
     """The mean score of a candidate, and the steps that it is charged."""
     try:
-        policy = make_baseline(law, env, "tuned", **settings)
+        policy = make_baseline(controller, env, "tuned", **settings)
     except PRPError:
         return 0.0, episodes.most_steps
     scores, steps = episodes.play(policy)

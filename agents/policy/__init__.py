@@ -1,0 +1,1 @@
+"""Trained agents: card, files and network, in numpy alone."""

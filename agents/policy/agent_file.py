@@ -1,0 +1,170 @@
+"""Trained agents as files: numbers as safetensors, the card as JSON; neither can hold code."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+from prp_gym.agents.policy.agent_tensors import digest, pack_tensors, unpack_tensors
+from prp_gym.agents.policy.card_file import pack_card, unpack_card
+from prp_gym.agents.policy.learned_policy import LearnedPolicy
+from prp_gym.envs.config import EnvConfig
+from prp_gym.errors import AgentFileError, UnknownNameError
+from prp_gym.evaluation.results import write_file
+from prp_gym.registration import list_envs
+
+TRAINED = Path(__file__).parents[1] / "trained"
+"""The agents that come with the package."""
+
+TENSORS, CARD = ".safetensors", ".json"
+_WITH_CODE = frozenset((".zip", ".pkl", ".pickle", ".pt", ".pth", ".npy", ".npz", ".joblib"))
+_LARGEST = {TENSORS: 256 * 2**20, CARD: 16 * 2**20}  # [bytes]
+_ONE_SEED = re.compile(r"(?P<group>.+)_seed_(?P<seed>\d+)")
+
+
+def save_agent(policy: LearnedPolicy, path: str | Path) -> tuple[Path, Path]:
+    """Write an agent's two files, each in one piece.
+
+    Args:
+        policy: the agent.
+        path: of the files, with or without either suffix; a folder that does not exist is made.
+
+    Returns:
+        the paths of the two files.
+
+    Raises:
+        AgentFileError: a card or numbers that could not be read again, such as NaN.
+        OutputError: the files cannot be written.
+    """
+    tensors, card = _twins(path)
+    content = pack_tensors(policy.normalizer, policy.network)
+    described = replace(policy.card, sha256=digest(content))
+    packed = pack_card(described)
+    unpack_tensors(tensors, content, unpack_card(card, packed))
+    write_file(tensors, content)
+    write_file(card, packed)
+    return tensors, card
+
+
+def load_agent(name_or_path: str | Path) -> LearnedPolicy:
+    """A trained agent, which nothing but numpy is needed to run; no file that can hold code is opened.
+
+    Args:
+        name_or_path: `<environment id>/<algorithm>_<action mode>` for the training seed of median score among
+            those that come with the package, one of them with `_seed_<k>`; or the path of an agent's files,
+            with or without either suffix.
+
+    Raises:
+        UnknownNameError: no such agent.
+        AgentFileError: a file that is missing, damaged, altered or of another kind.
+    """
+    if isinstance(name_or_path, str) and name_or_path in _shipped():
+        return _load(*_twins(TRAINED / _median(name_or_path)))
+    tensors, card = _twins(name_or_path)
+    named = isinstance(name_or_path, str) and Path(name_or_path).suffix not in (TENSORS, CARD)
+    if named and not tensors.exists() and not card.exists():
+        raise UnknownNameError("agent", name_or_path, _shipped())
+    return _load(tensors, card)
+
+
+def list_agents(environment_id: str | None = None) -> list[str]:
+    """Names of the agents that come with the package, each a group of training seeds.
+
+    Args:
+        environment_id: of the agents; None for all.
+
+    Raises:
+        UnknownNameError: an environment id that does not exist.
+    """
+    if environment_id is not None and environment_id not in list_envs():
+        raise UnknownNameError("environment", environment_id, list_envs())
+    groups = {_group(name) for name in _files()}
+    return sorted(name for name in groups if environment_id in (None, name.partition("/")[0]))
+
+
+def list_seeds(group: str) -> list[str]:
+    """Names of a group's agents, one a training seed, in the order of the seeds.
+
+    Raises:
+        UnknownNameError: no such group.
+    """
+    own = [name for name in _files() if _group(name) == group]
+    if not own:
+        raise UnknownNameError("group of agents", group, list_agents())
+    return sorted(own, key=lambda name: (len(name), name))
+
+
+def _files() -> list[str]:
+    """The agents that come with the package, by `<environment id>/<file name without suffix>`."""
+    paths = sorted(TRAINED.glob(f"*/*{CARD}"))
+    return [f"{path.parent.name}/{path.name.removesuffix(CARD)}" for path in paths]
+
+
+def _shipped() -> list[str]:
+    return [*list_agents(), *_files()]
+
+
+def _group(name: str) -> str:
+    match = _ONE_SEED.fullmatch(name)
+    return match["group"] if match else name
+
+
+def _median(name: str) -> str:
+    """The agent itself, or of a group the one whose score is the (lower) median; at equal scores by seed."""
+    files = _files()
+    if name in files:
+        return name
+    seeds = list_seeds(name)
+    if len(seeds) == 1:
+        return seeds[0]
+    ranked = sorted((_own_score(seed), index) for index, seed in enumerate(seeds))
+    return seeds[ranked[(len(ranked) - 1) // 2][1]]
+
+
+def _own_score(name: str) -> float:
+    """The score on the card in the scenario of the training."""
+    _, path = _twins(TRAINED / name)
+    card = unpack_card(path, _content(path))
+    scenario = card.interface.keywords.get("scenario", EnvConfig.scenario)
+    if scenario not in card.scores:
+        raise AgentFileError(path, f"has no score in scenario {scenario!r}, in which it was trained")
+    return card.scores[str(scenario)].value
+
+
+def _twins(path: str | Path) -> tuple[Path, Path]:
+    """The two files of an agent.
+
+    Raises:
+        AgentFileError: a suffix of files that can hold code.
+    """
+    given = str(path)
+    if Path(given).suffix.lower() in _WITH_CODE:
+        remedy = f"convert it, if you trust its author: prp-gym export {given} --trust --env ID --output OUT"
+        raise AgentFileError(
+            given, f"such files can run code when they are opened, so this one is not; {remedy}"
+        )
+    stem = given.removesuffix(TENSORS).removesuffix(CARD)
+    return Path(stem + TENSORS), Path(stem + CARD)
+
+
+def _load(tensors: Path, card: Path) -> LearnedPolicy:
+    described = unpack_card(card, _content(card))
+    return LearnedPolicy(described, *unpack_tensors(tensors, _content(tensors), described))
+
+
+def _content(path: Path) -> bytes:
+    """A file's content.
+
+    Raises:
+        AgentFileError: it cannot be read, or is larger than any agent.
+    """
+    largest = _LARGEST[path.suffix]
+    try:
+        with path.open("rb") as file:
+            content = file.read(largest + 1)
+    except FileNotFoundError:
+        raise AgentFileError(path, f"is missing; an agent is two files, {TENSORS} and {CARD}") from None
+    except OSError as error:
+        raise AgentFileError(path, f"cannot be read: {error.strerror or error}") from None
+    if len(content) > largest:
+        raise AgentFileError(path, f"is larger than {largest} bytes")
+    return content

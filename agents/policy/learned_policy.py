@@ -1,0 +1,111 @@
+"""`LearnedPolicy`: a trained agent with Stable-Baselines3's `predict`, in numpy alone."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.agents.policy.agent_card import AgentCard, Keyword, make_features
+from prp_gym.agents.policy.environment_facts import check_same
+from prp_gym.agents.policy.network import Network
+from prp_gym.agents.policy.normalizer import Normalizer
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
+
+
+class LearnedPolicy:
+    """A trained agent; neither torch nor Stable-Baselines3 is needed.
+
+    Args:
+        card: what it is, and how it came about.
+        normalizer: of its features.
+        network: from normalised features to actions.
+
+    Attributes:
+        card: what it is, and how it came about.
+        normalizer: of its features.
+        network: from normalised features to actions.
+    """
+
+    def __init__(self, card: AgentCard, normalizer: Normalizer, network: Network) -> None:
+        self.card = card
+        self.normalizer = normalizer
+        self.network = network
+        self._layout = card.interface.make_layout()
+        self._features = make_features(card.interface)
+
+    @property
+    def environment_keywords(self) -> dict[str, Keyword]:
+        """Keywords of the environment in which the agent was trained."""
+        return dict(self.card.interface.keywords)
+
+    def make_env(self, **overrides: Any) -> gymnasium.Env[Any, Any]:
+        """The environment in which the agent was trained.
+
+        Args:
+            overrides: keywords to set otherwise, such as `scenario` or `render_mode`.
+
+        Raises:
+            PRPError: a keyword that does not exist or a value that is not allowed; an environment on which
+                the agent cannot act.
+        """
+        env: gymnasium.Env[Any, Any] = gymnasium.make(
+            self.card.environment_id, **{**self.environment_keywords, **overrides}
+        )
+        try:
+            self.check_env(env)
+        except InvalidValueError:
+            env.close()
+            raise
+        return env
+
+    def check_env(self, env: Any) -> None:
+        """Refuse an environment on which the agent cannot act as it was trained to.
+
+        Args:
+            env: of this suite, or many alike, wrapped or not; Stable-Baselines3's too.
+
+        Raises:
+            InvalidValueError: another suite, id, observation, action mode, control frequency or size of
+                actions.
+        """
+        check_same(self.card, env)
+
+    def predict(
+        self,
+        observation: NDArray[Any] | dict[str, NDArray[Any]],
+        state: PolicyState = None,
+        episode_start: NDArray[Any] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[NDArray[np.float32], PolicyState]:
+        """The action for one observation or for several, as Stable-Baselines3's policies give it.
+
+        Args:
+            observation: (size) or (N, size), as the environment gives it: neither normalised nor stacked.
+            state: what the last call returned; None at first.
+            episode_start: (N) whether an episode starts with this observation; there the state starts anew.
+            deterministic: the most likely action; what training adds to explore is not exported.
+
+        Returns:
+            action (size) or (N, size), within [-1, 1], and the state for the next call, None where the
+            network has no memory.
+
+        Raises:
+            ShapeError: an observation of another size, for instance behind a wrapper that changes it;
+                a state of another agent or number of environments; an `episode_start` of another number.
+            InvalidValueError: an observation that is a dictionary; `deterministic=False`.
+        """
+        if isinstance(observation, dict):
+            raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
+        if not deterministic:
+            raise InvalidValueError(
+                "deterministic", deterministic, "True: an exported agent does not explore"
+            )
+        flat = np.asarray(observation, dtype=np.float64)
+        if flat.ndim == 0 or flat.shape[-1] != self._layout.size:
+            raise ShapeError("observation", flat.shape, f"(..., {self._layout.size})")
+        lead = flat.shape[:-1]
+        memory = state_to_begin_with(self.network.initial_memory(lead), state, episode_start, lead)
+        action, after = self.network(self.normalizer(self._features(flat)), memory)
+        return action, after or None

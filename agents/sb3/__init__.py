@@ -1,0 +1,1 @@
+"""Between this suite and Stable-Baselines3."""

@@ -1,0 +1,1 @@
+"""Training of agents, from a recipe to a finished run."""

@@ -1,0 +1,237 @@
+"""Checkpoints of training: plain arrays and numbers, whole or not there, and nothing that is unpickled."""
+
+import json
+import os
+import shutil
+import zlib
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from prp_gym.agents.policy.normalizer import Normalizer
+from prp_gym.agents.training.model import Learner
+from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState, Violations
+from prp_gym.errors import CheckpointError, OutputError
+from prp_gym.evaluation.results import to_plain
+
+_PREFIX = "checkpoint-"
+_STATE, _TENSORS, _ARRAYS, _REPLAY = "state.json", "tensors.pt", "arrays.npz", "replay.npz"
+_COUNTERS = ("num_timesteps", "_n_updates", "_episode_num")
+_BUFFER = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+_NORMALIZER = ("mean", "variance")
+
+
+def find_checkpoint(folder: Path) -> list[Path]:
+    """The newest checkpoint in a run's folder, in a list; an empty one where there is none."""
+    return sorted(folder.glob(f"{_PREFIX}*"))[-1:]
+
+
+def write_checkpoint(folder: Path, learner: Learner, state: TrainingState) -> None:
+    """Keep all that is needed to go on, then forget the checkpoint before.
+
+    Raises:
+        OutputError: the folder cannot be written to.
+    """
+    target = folder / f"{_PREFIX}{learner.model.num_timesteps:012d}"
+    part = folder / f".{target.name}.part"
+    try:
+        if not target.exists():
+            shutil.rmtree(part, ignore_errors=True)
+            part.mkdir(parents=True)
+            _write_parts(part, learner, state)
+            os.rename(part, target)
+            _sync(folder)
+        for old in folder.glob(f"{_PREFIX}*"):
+            if old != target:
+                shutil.rmtree(old, ignore_errors=True)
+    except OSError as error:
+        raise OutputError(target, error) from error
+
+
+def remove_checkpoints(folder: Path) -> None:
+    """Remove all checkpoints of a run, half written ones too."""
+    for pattern in (f"{_PREFIX}*", f".{_PREFIX}*.part"):
+        for path in folder.glob(pattern):
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _write_parts(folder: Path, learner: Learner, state: TrainingState) -> None:
+    model: Any = learner.model
+    torch.save(_tensors(model, state), folder / _TENSORS)
+    arrays = _arrays(learner, state)
+    np.savez(folder / _ARRAYS, **arrays)
+    if getattr(model, "replay_buffer", None) is not None:
+        np.savez(folder / _REPLAY, **_replay(model.replay_buffer))
+    checksums = {path.name: _checksum(path) for path in sorted(folder.iterdir())}
+    numbers = {
+        "counters": {name: getattr(model, name) for name in _COUNTERS},
+        "action_space": model.action_space.np_random.bit_generator.state,
+        "curve": [asdict(row) for row in state.curve],
+        "violations": asdict(state.violations),
+        "seconds": state.seconds,
+        "evaluation_seconds": state.evaluation_seconds,
+        "resumes": state.resumes,
+        "best": [{"steps": best.steps, "score": best.score} for best in state.best],
+        "checksums": checksums,
+    }
+    text = json.dumps(to_plain(numbers))
+    (folder / _STATE).write_text(f"{zlib.crc32(text.encode())}\n{text}\n", encoding="utf-8")
+    for path in folder.iterdir():
+        _sync(path)
+    _sync(folder)
+
+
+def _sync(path: Path) -> None:
+    """Wait until a file or folder is on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _checksum(path: Path) -> int:
+    value = 0
+    with path.open("rb") as file:
+        while block := file.read(1 << 22):
+            value = zlib.crc32(block, value)
+    return value
+
+
+def _tensors(model: Any, state: TrainingState) -> dict[str, Any]:
+    """Everything that PyTorch keeps."""
+    _, names = model._get_torch_save_params()
+    return {
+        "parameters": model.get_parameters(),
+        "variables": {name: getattr(model, name).detach() for name in names},
+        "generator": torch.get_rng_state(),
+        "best": [dict(best.weights) for best in state.best],
+    }
+
+
+def _arrays(learner: Learner, state: TrainingState) -> dict[str, Any]:
+    """The normaliser's statistics, those of the best policy, and numpy's global generator."""
+    arrays: dict[str, Any] = {}
+    for name in ("obs_rms", "ret_rms"):
+        statistics = getattr(learner.env, name, None)
+        if statistics is not None:
+            arrays |= {f"{name}.{key}": getattr(statistics, key) for key in ("mean", "var", "count")}
+    _, keys, position, has_gauss, cached = np.random.get_state()  # noqa: NPY002 (what the algorithms draw from)
+    arrays |= {"generator.keys": keys, "generator.rest": np.array([position, has_gauss, cached])}
+    for best in state.best:
+        arrays |= {f"best.{name}": getattr(best.normalizer, name) for name in _NORMALIZER}
+        arrays["best.scale"] = np.array([best.normalizer.epsilon, best.normalizer.clip])
+    return arrays
+
+
+def _replay(buffer: Any) -> dict[str, Any]:
+    """The filled part of a replay buffer."""
+    filled = buffer.buffer_size if buffer.full else buffer.pos
+    return {name: getattr(buffer, name)[:filled] for name in _BUFFER} | {
+        "place": np.array([buffer.pos, int(buffer.full)])
+    }
+
+
+def read_resumes(path: Path) -> int:
+    """How often training had gone on when a checkpoint was written.
+
+    Raises:
+        CheckpointError: it is damaged.
+    """
+    return int(_read(path, lambda: _read_numbers(path)["resumes"]))
+
+
+def restore_checkpoint(path: Path, learner: Learner) -> TrainingState:
+    """Put a learner where it was, and return what the run had come to.
+
+    Args:
+        path: of the checkpoint.
+        learner: made from the same recipe and seed.
+
+    Raises:
+        CheckpointError: it is damaged, or of another kind of learner.
+    """
+    state: TrainingState = _read(path, lambda: _restore(path, learner))
+    return state
+
+
+def _read_numbers(path: Path) -> dict[str, Any]:
+    """The numbers of a checkpoint, whose checksum stands before them."""
+    checksum, _, text = (path / _STATE).read_text(encoding="utf-8").partition("\n")
+    if zlib.crc32(text.removesuffix("\n").encode()) != int(checksum):
+        raise ValueError(f"the checksum of {_STATE} does not match")
+    numbers: dict[str, Any] = json.loads(text)
+    return numbers
+
+
+def _read(path: Path, read: Callable[[], Any]) -> Any:
+    try:
+        return read()
+    except Exception as error:  # whatever a damaged file makes of a reader
+        raise CheckpointError(path, f"{type(error).__name__}: {error}".splitlines()[0]) from error
+
+
+def _restore(path: Path, learner: Learner) -> TrainingState:
+    model: Any = learner.model
+    numbers = _read_numbers(path)
+    for name, expected in numbers["checksums"].items():
+        if _checksum(path / name) != expected:
+            raise ValueError(f"the checksum of {name} does not match")
+    tensors = torch.load(path / _TENSORS, weights_only=True)
+    with np.load(path / _ARRAYS, allow_pickle=False) as file:
+        arrays = dict(file)
+    model.set_parameters(tensors["parameters"], exact_match=True, device="cpu")
+    for name, value in tensors["variables"].items():
+        getattr(model, name).data.copy_(value)
+    _restore_normalizer(learner, arrays)
+    if getattr(model, "replay_buffer", None) is not None:
+        _restore_replay(model.replay_buffer, path / _REPLAY)
+    for name in _COUNTERS:
+        setattr(model, name, numbers["counters"][name])
+    _restore_generators(model, numbers, tensors, arrays)
+    return _training_state(numbers, tensors, arrays)
+
+
+def _restore_normalizer(learner: Learner, arrays: Mapping[str, Any]) -> None:
+    for name in ("obs_rms", "ret_rms"):
+        statistics = getattr(learner.env, name, None)
+        if statistics is not None:
+            statistics.mean, statistics.var = arrays[f"{name}.mean"], arrays[f"{name}.var"]
+            statistics.count = float(arrays[f"{name}.count"])
+
+
+def _restore_replay(buffer: Any, path: Path) -> None:
+    with np.load(path, allow_pickle=False) as file:
+        for name in _BUFFER:
+            values = file[name]
+            getattr(buffer, name)[: len(values)] = values
+        buffer.pos, buffer.full = int(file["place"][0]), bool(file["place"][1])
+
+
+def _restore_generators(
+    model: Any, numbers: Mapping[str, Any], tensors: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> None:
+    torch.set_rng_state(tensors["generator"])
+    position, has_gauss, cached = arrays["generator.rest"]
+    np.random.set_state(  # noqa: NPY002 (what the algorithms draw from)
+        ("MT19937", arrays["generator.keys"], int(position), int(has_gauss), float(cached))
+    )
+    model.action_space.np_random.bit_generator.state = numbers["action_space"]
+
+
+def _training_state(
+    numbers: Mapping[str, Any], tensors: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> TrainingState:
+    best = []
+    for facts, weights in zip(numbers["best"], tensors["best"], strict=True):
+        epsilon, clip = arrays["best.scale"].tolist()
+        normalizer = Normalizer(arrays["best.mean"], arrays["best.variance"], epsilon, clip)
+        best.append(BestPolicy(facts["steps"], facts["score"], weights, normalizer))
+    curve = [CurveRow(**row) for row in numbers["curve"]]
+    violations = Violations(**numbers["violations"])
+    seconds, of_them = numbers["seconds"], numbers["evaluation_seconds"]
+    return TrainingState(curve, violations, seconds, of_them, numbers["resumes"], best)

@@ -1,0 +1,53 @@
+"""How good a policy in training is, on episodes that it is never trained on."""
+
+from typing import Any
+
+import numpy as np
+from stable_baselines3.common.base_class import BaseAlgorithm
+
+from prp_gym.agents.policy.normalizer import Normalizer
+from prp_gym.agents.sb3.feature_vec_env import TrackingFeaturesVecEnv
+from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
+from prp_gym.agents.training.recipes import FIRST_HELD_OUT_SEED, Recipe
+
+
+class HeldOutEpisodes:
+    """Episodes with seeds of their own, played side by side.
+
+    Args:
+        recipe: whose environment it is.
+        episodes: how many.
+    """
+
+    def __init__(self, recipe: Recipe, episodes: int) -> None:
+        keywords: dict[str, Any] = dict(recipe.env_kwargs)
+        made = make_sb3_vec_env(
+            recipe.environment_id, episodes, seed=FIRST_HELD_OUT_SEED, num_threads=1, **keywords
+        )
+        self._duration = float(made.get_attr("duration", 0)[0])
+        self._env = TrackingFeaturesVecEnv(made)
+
+    def score(self, model: BaseAlgorithm, normalizer: Normalizer) -> float:
+        """Mean of return / duration over the episodes, in [0, 1], of the policy without exploration.
+
+        Args:
+            model: in training, left as it is.
+            normalizer: of the features, as training has it now.
+        """
+        self._env.seed(FIRST_HELD_OUT_SEED)
+        features = np.asarray(self._env.reset())
+        count = self._env.num_envs
+        returns, running = np.zeros(count), np.ones(count, dtype=np.bool_)
+        state, begins = None, np.ones(count, dtype=np.bool_)
+        while running.any():
+            given = normalizer(features).astype(np.float32)
+            actions, state = model.predict(given, state=state, episode_start=begins, deterministic=True)
+            step = self._env.step(actions)
+            features, begins = np.asarray(step[0]), step[2]
+            returns += np.where(running, step[1], 0.0)
+            running &= ~begins
+        return float(np.mean(returns) / self._duration)
+
+    def close(self) -> None:
+        """Free the environments."""
+        self._env.close()

@@ -1,0 +1,74 @@
+"""An algorithm with its environments, made from a recipe."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.vec_env import VecNormalize
+
+from prp_gym.agents.policy.normalizer import Normalizer
+from prp_gym.agents.sb3.algorithms import constructor_arguments, load_algorithm
+from prp_gym.agents.sb3.feature_vec_env import TrackingFeaturesVecEnv
+from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
+from prp_gym.agents.training.recipes import EPISODES_A_SEED, Recipe
+from prp_gym.errors import InvalidValueError
+
+
+@dataclass(frozen=True)
+class Learner:
+    """An algorithm and what scales its observations.
+
+    Attributes:
+        model: of Stable-Baselines3.
+        env: its environments.
+    """
+
+    model: BaseAlgorithm
+    env: VecNormalize
+
+    @property
+    def normalizer(self) -> Normalizer:
+        """Of the features, as it is now; where they are not scaled, one that changes nothing."""
+        if not self.env.norm_obs:
+            size = int(np.prod(self.env.observation_space.shape or ()))
+            return Normalizer(np.zeros(size), np.ones(size), 0.0, np.inf)
+        statistics: Any = self.env.obs_rms
+        return Normalizer(statistics.mean.copy(), statistics.var.copy(), self.env.epsilon, self.env.clip_obs)
+
+    def close(self) -> None:
+        """Free the environments."""
+        self.env.close()
+
+
+def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
+    """An untrained agent with its environments; PyTorch computes in one thread.
+
+    Args:
+        recipe: how it is trained.
+        seed: of training.
+        resumes: how often training went on; every time, episodes with other seeds are begun.
+    """
+    torch.set_num_threads(1)
+    keywords: dict[str, Any] = dict(recipe.env_kwargs)
+    made = make_sb3_vec_env(recipe.environment_id, recipe.n_envs, num_threads=1, seed=seed, **keywords)
+    gamma = float(recipe.settings.get("gamma", 0.99))
+    env = VecNormalize(
+        TrackingFeaturesVecEnv(made),
+        norm_obs=recipe.normalize["obs"],
+        norm_reward=recipe.normalize["reward"],
+        gamma=gamma,
+    )
+    joints = int(np.prod(env.action_space.shape or ()))
+    arguments = constructor_arguments(recipe.settings, joints)
+    kind: Any = load_algorithm(recipe.algorithm)
+    try:
+        model: BaseAlgorithm = kind(recipe.policy, env, seed=seed, device="cpu", verbose=0, **arguments)
+    except (AssertionError, TypeError, ValueError) as error:
+        allowed = f"what {kind.__name__} takes ({error})"
+        raise InvalidValueError(
+            f"recipe's settings of {recipe.algorithm}", recipe.settings, allowed
+        ) from error
+    env.seed((seed + 1) * EPISODES_A_SEED + resumes * recipe.n_envs)  # the model gave them seeds of its own
+    return Learner(model, env)

@@ -1,0 +1,73 @@
+"""The best policy of a training run as an agent that needs no learning library."""
+
+import json
+from collections.abc import Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from prp_gym.agents.policy.agent_card import CurvePoint, Run
+from prp_gym.agents.policy.agent_file import save_agent
+from prp_gym.agents.policy.normalizer import Normalizer
+from prp_gym.agents.sb3.algorithms import require
+from prp_gym.agents.sb3.export import AgentFacts, export_agent
+from prp_gym.agents.training.model import Learner, make_learner
+from prp_gym.agents.training.recipes import Recipe, make_recipe
+from prp_gym.agents.training.run_folder import RunFolder
+from prp_gym.errors import RunFolderError
+
+
+def write_agent(
+    folder: RunFolder, recipe: Recipe, learner: Learner, normalizer: Normalizer, steps: int
+) -> None:
+    """Write the agent's files into the folder of its run.
+
+    Args:
+        folder: of the run, with its `run.json` and `curve.json`.
+        recipe: by which it was trained.
+        learner: with the agent's weights.
+        normalizer: of the agent's features.
+        steps: of training that the weights had.
+
+    Raises:
+        InvalidValueError: a network that cannot be exported.
+        OutputError: the folder cannot be written to.
+    """
+    facts = AgentFacts(
+        recipe.environment_id,
+        recipe.env_kwargs,
+        learner.env.get_attr("observation_layout", 0)[0],
+        _describe(json.loads(folder.run.read_bytes()), json.loads(folder.curve.read_bytes()), recipe, steps),
+    )
+    save_agent(export_agent(learner.model, normalizer, facts), folder.agent)
+
+
+def _describe(run: Mapping[str, Any], curve: Mapping[str, Any], recipe: Recipe, steps: int) -> Run:
+    points = tuple(CurvePoint(**row) for row in curve["rows"])
+    seconds = next(point.seconds for point in points if point.steps == steps)
+    return Run(run["command"], int(run["seed"]), steps, seconds, recipe.to_plain(), points)
+
+
+def export_run(path: Path) -> None:
+    """Write the agent's files of a finished run that lacks them.
+
+    Args:
+        path: of the run's folder.
+
+    Raises:
+        RunFolderError: no finished run.
+    """
+    folder = RunFolder(path.resolve())
+    if not folder.is_finished:
+        raise RunFolderError(path, "it holds no finished run")
+    content = require("yaml").safe_load(folder.config.read_text(encoding="utf-8"))
+    algorithm, environment_id = content.pop("algorithm"), content.pop("environment")
+    recipe = make_recipe(algorithm, environment_id, content)
+    with np.load(path / "best_normalizer.npz", allow_pickle=False) as file:
+        normalizer = Normalizer(file["mean"], file["variance"], float(file["epsilon"]), float(file["clip"]))
+    with closing(make_learner(recipe, 0)) as learner:
+        learner.model.policy.load_state_dict(torch.load(path / "best.pt", weights_only=True))
+        write_agent(folder, recipe, learner, normalizer, int(folder.read_result()["best"]["steps"]))

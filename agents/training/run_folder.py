@@ -1,0 +1,178 @@
+"""The folder of a training run: what was asked for, what came out, and whether it may go on."""
+
+import fcntl
+import json
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from prp_gym.agents.sb3.algorithms import require
+from prp_gym.agents.training.recipes import Recipe
+from prp_gym.errors import InvalidValueError, RunFolderError
+from prp_gym.evaluation.results import list_versions, prepare_folder, to_plain, write_file, write_json
+
+_LOCK = ".lock"
+_PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """The folder of one training seed.
+
+    Attributes:
+        path: of the folder.
+    """
+
+    path: Path
+
+    @property
+    def config(self) -> Path:
+        """The recipe, merged."""
+        return self.path / "config.yml"
+
+    @property
+    def run(self) -> Path:
+        """Command, versions, seed, and settings beside the recipe."""
+        return self.path / "run.json"
+
+    @property
+    def curve(self) -> Path:
+        """Evaluations in training."""
+        return self.path / "curve.json"
+
+    @property
+    def progress(self) -> Path:
+        """Steps trained so far, for who watches."""
+        return self.path / "progress.json"
+
+    @property
+    def result(self) -> Path:
+        """What came out; there once training is finished."""
+        return self.path / "result.json"
+
+    @property
+    def agent(self) -> Path:
+        """The best policy's files as an agent, without suffix."""
+        return self.path / "agent"
+
+    @property
+    def tensorboard(self) -> Path:
+        """TensorBoard's files."""
+        return self.path / "tensorboard"
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether training came to its end."""
+        return self.result.exists()
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether there is a run."""
+        return self.config.exists()
+
+    def read_result(self) -> dict[str, Any]:
+        """What came out of a finished run.
+
+        Raises:
+            RunFolderError: it cannot be read.
+        """
+        try:
+            result: dict[str, Any] = json.loads(self.result.read_bytes())
+        except (OSError, ValueError) as error:
+            raise RunFolderError(self.path, f"its result cannot be read ({error})") from error
+        return result
+
+    def read_steps(self) -> int:
+        """Steps trained so far, as the run last told."""
+        try:
+            told = self.result if self.is_finished else self.progress
+            return int(json.loads(told.read_bytes())["steps"])
+        except (OSError, ValueError, LookupError, TypeError):
+            return 0
+
+    def begin(self, recipe: Recipe, settings: Mapping[str, Any], facts: Mapping[str, Any]) -> None:
+        """Write what is asked for.
+
+        Args:
+            recipe: of the training.
+            settings: beside the recipe that a resumed run must share.
+            facts: to keep beside them.
+
+        Raises:
+            OutputError: the folder cannot be made or written to.
+        """
+        prepare_folder(self.path)
+        versions = list_versions() | {name: version(name) for name in _PACKAGES}
+        write_json(self.run, {**facts, "settings": dict(settings), "versions": versions})
+        text = require("yaml").safe_dump(to_plain(recipe.to_plain()), sort_keys=False, allow_unicode=True)
+        write_file(self.config, text.encode())  # last: with it, the run is begun
+
+    def check_same(self, recipe: Recipe, settings: Mapping[str, Any]) -> None:
+        """Refuse to go on with other settings than those of the folder.
+
+        Raises:
+            RunFolderError: they differ, or the folder's cannot be read.
+        """
+        yaml = require("yaml")
+        try:
+            there = yaml.safe_load(self.config.read_text(encoding="utf-8"))
+            there |= json.loads(self.run.read_bytes())["settings"]
+        except (OSError, ValueError, LookupError, TypeError, yaml.YAMLError) as error:
+            raise RunFolderError(self.path, f"its settings cannot be read ({error})") from error
+        differences = _differences(there, to_plain({**recipe.to_plain(), **settings}))
+        if differences:
+            raise RunFolderError(self.path, f"it was trained with other settings: {'; '.join(differences)}")
+
+    @contextmanager
+    def hold(self) -> Iterator[None]:
+        """Keep other processes of this machine from the run, until the block or this process ends.
+
+        Raises:
+            RunFolderError: another one holds it.
+            OutputError: the folder cannot be made or written to.
+        """
+        prepare_folder(self.path)
+        with (self.path / _LOCK).open("w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise RunFolderError(self.path, "another process is training there") from None
+            try:
+                yield
+            finally:
+                (self.path / _LOCK).unlink(missing_ok=True)
+
+    def remove(self) -> None:
+        """Forget the run.
+
+        Raises:
+            InvalidValueError: a folder that holds something else.
+        """
+        if self.path.exists():
+            if {path.name for path in self.path.iterdir()} - {_LOCK} and not (
+                self.is_begun or self.run.exists()
+            ):
+                raise InvalidValueError(
+                    "run folder", str(self.path), "an empty one, or one of a training run"
+                )
+            for path in self.path.iterdir():
+                if path.is_dir():
+                    shutil.rmtree(path)
+                elif path.name != _LOCK:
+                    path.unlink()
+
+
+def _differences(there: Mapping[str, Any], requested: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """What differs between two nested mappings, in words."""
+    found = []
+    for key in dict.fromkeys((*there, *requested)):
+        old, new = there.get(key), requested.get(key)
+        if isinstance(old, Mapping) and isinstance(new, Mapping):
+            found += _differences(old, new, f"{prefix}{key}.")
+        elif old != new:
+            found.append(f"{prefix}{key} is {old!r} there and {new!r} here")
+    return found

@@ -1,0 +1,180 @@
+"""Training of one agent, from a recipe to a finished run folder."""
+
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
+
+from prp_gym.agents.sb3.algorithms import require, setting_names
+from prp_gym.agents.training.checkpoint import (
+    find_checkpoint,
+    read_resumes,
+    remove_checkpoints,
+    restore_checkpoint,
+)
+from prp_gym.agents.training.finish import finish_run
+from prp_gym.agents.training.held_out import HeldOutEpisodes
+from prp_gym.agents.training.model import Learner, make_learner
+from prp_gym.agents.training.progress import Milestones, TrainingProgress
+from prp_gym.agents.training.recipes import FIRST_HELD_OUT_SEED, Recipe
+from prp_gym.agents.training.run_folder import RunFolder
+from prp_gym.agents.training.training_state import CurveRow, TrainingState
+from prp_gym.errors import RunFolderError
+from prp_gym.evaluation.results import write_json
+
+ON_EXISTING = ("refuse", "resume", "fresh")
+
+
+@dataclass(frozen=True)
+class TrainingJob:
+    """One training seed of a recipe.
+
+    Attributes:
+        recipe: how to train.
+        seed: of training.
+        folder: of the run.
+        eval_every: steps between evaluations.
+        eval_episodes: held-out episodes of an evaluation.
+        checkpoint_every: steps between checkpoints.
+        existing: what to do with an unfinished run in the folder, one of `ON_EXISTING`.
+        tensorboard: whether to write TensorBoard's files.
+        command: by which it was asked for.
+    """
+
+    recipe: Recipe
+    seed: int
+    folder: Path
+    eval_every: int
+    eval_episodes: int = 20
+    checkpoint_every: int = 0
+    existing: str = "refuse"
+    tensorboard: bool = True
+    command: str = ""
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What beside the recipe decides about the result."""
+        return {
+            "seed": self.seed,
+            "eval_every": self.eval_every,
+            "eval_episodes": self.eval_episodes,
+            "first_held_out_seed": FIRST_HELD_OUT_SEED,
+        }
+
+
+def _ignore(_: CurveRow) -> None:
+    """Nobody is told."""
+
+
+def is_ready(job: TrainingJob) -> bool:
+    """Whether a job's run is finished already.
+
+    Raises:
+        RunFolderError: there is an unfinished run that may not be resumed, or one with other settings.
+    """
+    folder = RunFolder(job.folder)
+    if job.existing == "fresh" or not folder.is_begun:
+        return False
+    folder.check_same(job.recipe, job.settings)
+    if not folder.is_finished and job.existing != "resume":
+        raise RunFolderError(job.folder, "it holds an unfinished run. To go on with it, give --resume")
+    return folder.is_finished
+
+
+def train(job: TrainingJob, report: Callable[[CurveRow], None] = _ignore) -> dict[str, Any]:
+    """Train an agent, unless its run is finished.
+
+    A run that goes on after an interruption begins new episodes, with seeds of their own; all else is as the
+    last checkpoint has it.
+
+    Args:
+        job: what to do.
+        report: told every evaluation; may raise to end training.
+
+    Returns:
+        the content of the run's `result.json`.
+
+    Raises:
+        RunFolderError: a run in the folder that may not be resumed, or of other settings.
+        CheckpointError: a damaged checkpoint.
+        OutputError: the folder cannot be written to.
+        PRPError: what the environment refuses.
+    """
+    folder = RunFolder(job.folder)
+    if is_ready(job):
+        return folder.read_result()
+    with folder.hold():
+        return _train(job, folder, report)
+
+
+def _train(job: TrainingJob, folder: RunFolder, report: Callable[[CurveRow], None]) -> dict[str, Any]:
+    """Train in a folder that nobody else trains in."""
+    if job.existing == "fresh":
+        folder.remove()
+    if not folder.is_begun:
+        _begin(job, folder)
+    found = find_checkpoint(job.folder)
+    resumes = read_resumes(found[0]) + 1 if found else 0
+    with closing(make_learner(job.recipe, job.seed, resumes)) as learner:
+        state = TrainingState()
+        if found:
+            state = restore_checkpoint(found[0], learner)
+            state.resumes = resumes
+        _learn(job, folder, learner, state, report)
+        result = finish_run(job.recipe, job.seed, folder, learner, state)
+    remove_checkpoints(job.folder)
+    return result
+
+
+def _begin(job: TrainingJob, folder: RunFolder) -> None:
+    facts = {
+        "command": job.command,
+        "environment": job.recipe.environment_id,
+        "algorithm": job.recipe.algorithm,
+        "seed": job.seed,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    folder.begin(job.recipe, job.settings, facts)
+
+
+def _learn(
+    job: TrainingJob,
+    folder: RunFolder,
+    learner: Learner,
+    state: TrainingState,
+    report: Callable[[CurveRow], None],
+) -> None:
+    """Train to the end of the recipe's steps."""
+    model = learner.model
+    model.set_logger(_make_logger(job, folder))
+    done = model.num_timesteps
+    write_json(folder.curve, state.plain_curve())  # without what came after the last checkpoint
+    evaluations = Milestones(job.eval_every, done)
+    checkpoints = Milestones(job.checkpoint_every or job.eval_every, done)
+    with closing(HeldOutEpisodes(job.recipe, job.eval_episodes)) as held_out:
+        progress = TrainingProgress(learner, state, folder, held_out, evaluations, checkpoints, report)
+        try:
+            model.learn(
+                job.recipe.n_timesteps - done,
+                progress,
+                reset_num_timesteps=False,
+                log_interval=_log_interval(job),
+            )
+        finally:
+            model.logger.close()
+
+
+def _log_interval(job: TrainingJob) -> int:
+    """Rollouts, or with a replay buffer episodes, between two entries of the log."""
+    return job.recipe.n_envs if "learning_starts" in setting_names(job.recipe.algorithm) else 1
+
+
+def _make_logger(job: TrainingJob, folder: RunFolder) -> Logger:
+    if not job.tensorboard:
+        return Logger(None, [])
+    require("tensorboard")
+    return Logger(str(folder.tensorboard), [TensorBoardOutputFormat(str(folder.tensorboard))])

@@ -1,0 +1,87 @@
+"""What a step of N environments is worth, and the numbers that it returns in `info`."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.core.info import COMMON_INFO, CONTACT_INFO, InfoField
+from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.reward import Reward
+from prp_gym.tasks.task import Task
+
+
+def count(flags: NDArray[Any]) -> NDArray[np.intp]:
+    """How many values in each row (N, joints) are not zero."""
+    counts: NDArray[np.intp] = np.count_nonzero(flags, axis=1)
+    return counts
+
+
+class Judge:
+    """The reward and the costs of N environments.
+
+    Args:
+        task: whose reward and fields these are.
+        physics: the simulated world.
+        frequency: of control [Hz].
+
+    Attributes:
+        info_fields: the columns of `info`.
+    """
+
+    def __init__(self, task: Task[Any], physics: Simulation, frequency: float) -> None:
+        num_envs = physics.num_simulations
+        self._physics = physics
+        self._reward = Reward(task.numbers.reward, task.period)
+        terms = [
+            InfoField(f"reward_{term.name}", "s", f"reward from {term.name}", summed=True)
+            for term in self._reward.terms
+        ]
+        self._touches = "contact_force" in task.layout.names
+        self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._touches else ()))
+        bound = float(task.numbers.constants.get("force_bound", np.inf))
+        self._force_bound = np.full(num_envs, bound)
+        self._frequency = np.full(num_envs, frequency)
+        self._shape, self._ones = (num_envs, len(self.info_fields)), np.ones((num_envs, len(terms)))
+        self._terms = np.s_[:, : len(terms)]
+        names = [field.name for field in self.info_fields]
+        self._column = {name: np.s_[:, index] for index, name in enumerate(names)}
+        self._time = self._column["time"]
+
+    def __call__(
+        self, errors: Array, saturated: NDArray[np.bool_] | None, elapsed: Array, within_limits: bool
+    ) -> tuple[Array, Array]:
+        """Judge a step.
+
+        Args:
+            errors: of the task (N, terms, width), in the terms' units.
+            saturated: (N, joints) which actions are at or beyond the actuator limits; None for none.
+            elapsed: (N) periods since each episode began.
+            within_limits: whether no joint is beyond its stop.
+
+        Returns:
+            reward (N) [s] and `info` (N, fields).
+        """
+        info = np.zeros(self._shape)
+        contributions = self._reward(errors)
+        info[self._terms] = contributions
+        np.divide(elapsed, self._frequency, out=info[self._time])
+        if saturated is not None:
+            info[self._column["cost_saturation"]] = count(saturated)
+        if not within_limits:
+            info[self._column["cost_joint_stop"]] = count(self._physics.stop_violation)
+        if self._touches:
+            self._judge_contact(info)
+        return np.vecdot(contributions, self._ones), info
+
+    def _judge_contact(self, info: Array) -> None:
+        force = self._physics.contact_force
+        magnitude = np.sqrt(np.vecdot(force, force))
+        info[self._column["contact_force"]] = magnitude
+        info[self._column["cost_force_bound"]] = magnitude > self._force_bound
+
+    def zero_reward(self, reward: Array, info: Array, rows: NDArray[np.bool_]) -> None:
+        """Take back, in place, what some environments (N) were given."""
+        reward[rows] = 0.0
+        info[rows, : self._ones.shape[1]] = 0.0

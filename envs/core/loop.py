@@ -1,0 +1,305 @@
+"""The loop: it counts time for N environments at once and asks physics and task for the rest.
+
+Everything here is written once over N; a single environment is a loop of one.
+"""
+
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.action_mode import ActionField, torque_field
+from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
+from prp_gym.envs.core.actuators import make_actuators
+from prp_gym.envs.core.judge import Judge
+from prp_gym.envs.core.reference_window import ReferenceWindow
+from prp_gym.envs.core.sensors import make_sensors
+from prp_gym.envs.core.step import Step
+from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
+from prp_gym.physics.batch_simulation import PhysicsState
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.task import Task
+
+_LARGEST_SEED = 2**63
+STATE = (
+    "task",
+    "ground_truth",
+    "commanded_torque",
+    "_actuators",
+    "_sensors",
+    "_window",
+    "_unplayable",
+    "_playable",
+)
+"""The attributes that determine how a loop goes on."""
+
+
+class LoopState(NamedTuple):
+    """All that determines how a loop goes on."""
+
+    physics: PhysicsState
+    rest: dict[str, Any]
+
+
+class EpisodeLoop:
+    """N environments of one task, stepped together.
+
+    Args:
+        task: judges them.
+        config: common keywords.
+        num_envs: N.
+        num_threads: of the physics; 0 takes all cores.
+
+    Attributes:
+        torque_limit: joint torques at action 1 (joints) [N m, N, N m].
+        commanded_torque: of the last step, within the limits (N, joints) [N m, N, N m].
+        ground_truth: what is true now (N, task.truth_layout.size); the observation is its reading.
+        info_fields: the columns of a step's `info`.
+        action_fields: the parts of an action.
+        state_names: the attributes that determine how the environments go on.
+    """
+
+    state_names: ClassVar[tuple[str, ...]] = STATE
+
+    def __init__(self, task: Task[Any], config: EnvConfig, num_envs: int = 1, num_threads: int = 1) -> None:
+        self.task = task
+        self.config = config
+        self.num_envs = num_envs
+        nominal = task.model.parameters.torque_limit
+        self.torque_limit = config.limits(nominal)
+        self.joints = len(nominal)
+        self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
+        self._on_period: Callable[[Step], None] = _nothing
+        self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
+        self._judge = Judge(task, self.physics, config.control_frequency)
+        self.info_fields = self._judge.info_fields
+        self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
+        self._sensors = make_sensors(task.scenario, task.layout, num_envs)
+        self.commanded_torque = np.zeros((num_envs, self.joints))
+        self.ground_truth = np.zeros((num_envs, task.ground_truth_layout.size))
+        self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency, config.horizon)
+        self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
+        self._playable = False
+        self._limit = np.tile(self.torque_limit, (num_envs, 1))
+        bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
+        self.physics.watch(bound)
+        self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
+        self._substeps = config.substeps
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        """Where what is measured, referred to and observed lies in what is true."""
+        layout, measured = self.task.layout, self.physics.measurement_size
+        self._space = layout.space()
+        self._shape = self.ground_truth.shape
+        self._measured = np.s_[:, :measured]
+        self._referenced = np.s_[:, measured : layout.size]
+        self._observed = np.s_[:, : layout.size]
+        self._all_observed = layout.size == self.task.ground_truth_layout.size
+
+    def reset(
+        self,
+        ids: NDArray[np.intp],
+        rngs: Sequence[np.random.Generator],
+        options: Mapping[str, Array],
+    ) -> Array:
+        """Start new episodes in some environments; the first call must cover all of them.
+
+        If a start is refused, the episodes that run go on as they were; the generators have moved on.
+
+        Args:
+            ids: (n) the environments, in rising order.
+            rngs: (n) their own generators.
+            options: validated reset options by name, a value for each (n, ...).
+
+        Returns:
+            (N, size) observations of all environments.
+
+        Raises:
+            InvalidValueError: ids out of order or out of range; a first call for some only.
+            PRPError: a start or goal that the task refuses.
+        """
+        self._check_ids(ids)
+        starts, plants, seeds = [], [], []
+        for row, rng in enumerate(rngs):
+            starts.append(self.task.draw(rng, {name: values[row] for name, values in options.items()}))
+            plants.append(self.task.draw_plant(rng))
+            seeds.append(int(rng.integers(_LARGEST_SEED)))
+        self.task.place(self.physics, ids, starts, plants)
+        self.task.begin(ids, starts)
+        self._actuators.begin(ids, seeds)
+        self._sensors.begin(ids, seeds)
+        self.physics.reset(
+            ids,
+            np.stack([start.joint_position for start in starts]),
+            np.stack([start.joint_velocity for start in starts]),
+        )
+        self._window.begin(ids, self.task.reference)
+        self._unplayable[ids] = False
+        self._playable = not self._unplayable.any()
+        ground_truth = self._measure()
+        self.task.complete(ground_truth)
+        self.ground_truth = ground_truth
+        return self._observe()
+
+    def _check_ids(self, ids: NDArray[np.intp]) -> None:
+        rising = len(ids) > 0 and ids[0] >= 0 and ids[-1] < self.num_envs and (np.diff(ids) > 0).all()
+        if not rising:
+            raise InvalidValueError("ids", ids.tolist(), f"rising, from 0 to {self.num_envs - 1}")
+        if not self.started and len(ids) < self.num_envs:
+            raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
+
+    def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
+        """One control period of every environment.
+
+        Args:
+            action: (N, joints) torques over their limits; beyond ±1 they are clipped and counted.
+            idle: (N) which environments only wait for their reset, diverged or not: neither their actions
+                nor what they return mean anything. None for none of them.
+
+        Returns:
+            observations and judgement after the step.
+
+        Raises:
+            ShapeError: another shape.
+            NonFiniteError: NaN or infinity in the action; nothing was changed.
+            EpisodeError: an environment that was not reset, or has diverged.
+        """
+        if action.shape != self._limit.shape:
+            raise ShapeError("action", action.shape, f"{self._limit.shape}")
+        if idle is not None:
+            action = np.where(idle[:, None], 0.0, action)
+        if not self._playable:
+            self.require_playable(np.zeros_like(self._unplayable) if idle is None else idle)
+        action, saturated = self._limited(action)
+        command = action * self._limit
+        self.commanded_torque = command
+        self.physics.set_torque(self._actuators.apply(command))
+        self.physics.advance(self._substeps)
+        self._window.advance(self.task.reference)
+        self._sensors.advance()
+        ground_truth = self._measure()
+        self.task.advance(ground_truth)
+        self.task.complete(ground_truth)
+        self.ground_truth = ground_truth
+        elapsed, within_limits = self._window.elapsed, self.physics.within_limits
+        reward, info = self._judge(self.task.errors(ground_truth, command), saturated, elapsed, within_limits)
+        truncated = elapsed >= self._horizon
+        terminated = np.zeros(self.num_envs, dtype=np.bool_) if within_limits else self._diverged()
+        if not self._playable:
+            self._judge.zero_reward(reward, info, terminated)
+            truncated &= ~terminated
+        outcome = Step(self._observe(), reward, terminated, truncated, info)
+        self._on_period(outcome)
+        return outcome
+
+    def _limited(self, action: Array) -> tuple[Array, NDArray[np.bool_] | None]:
+        """Actions within ±1, and which were not inside (N, joints); None where all were."""
+        inside = np.abs(action) < self._full
+        if np.count_nonzero(inside) == inside.size:
+            return action, None
+        return self.clipped(action), ~inside
+
+    def clipped(self, action: Array) -> Array:
+        """Actions (N, size) within ±1.
+
+        Raises:
+            NonFiniteError: NaN or infinity.
+        """
+        bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
+        if len(bad):
+            what = "action" if self.num_envs == 1 else f"action of environments {bad.tolist()}"
+            raise NonFiniteError(what, action[bad].tolist())
+        within: Array = np.clip(action, -1.0, 1.0)
+        return within
+
+    def _diverged(self) -> NDArray[np.bool_]:
+        """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
+        diverged = self.physics.out_of_bounds
+        if np.count_nonzero(diverged):
+            self._unplayable |= diverged
+            self._playable = False
+        return diverged
+
+    def _measure(self) -> Array:
+        """What is true now, new; judged fields as the task last left them."""
+        ground_truth = np.empty(self._shape)
+        self.physics.measure(ground_truth[self._measured])
+        ground_truth[self._referenced] = self._window.current
+        return ground_truth
+
+    def _observe(self) -> Array:
+        """The reading of what is true now, new; within the declared bounds where an environment diverged."""
+        observation: Array = (
+            self.ground_truth.copy() if self._all_observed else self.ground_truth[self._observed].copy()
+        )
+        self._sensors.read(observation)
+        if not self._playable:
+            which = self._unplayable
+            observation[which] = np.clip(observation[which], self._space.low, self._space.high)
+        return observation
+
+    def require_playable(self, idle: NDArray[np.bool_]) -> None:
+        """Refuse to step environments that cannot be; diverged ones may wait beside the others.
+
+        Args:
+            idle: (N) which environments only wait for their reset.
+
+        Raises:
+            EpisodeError: one of the others was not reset, or has diverged.
+        """
+        stuck = np.flatnonzero(self._unplayable & ~idle).tolist()
+        if stuck:
+            raise EpisodeError(
+                f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
+            )
+
+    @property
+    def action_size(self) -> int:
+        """Number of components of one environment's action."""
+        return sum(field.size for field in self.action_fields)
+
+    def listen(self, listener: Callable[[Step], None] | None) -> None:
+        """Have every control period's outcome told to someone, or to nobody."""
+        self._on_period = listener or _nothing
+
+    @property
+    def started(self) -> bool:
+        """Whether every environment has been reset at least once."""
+        return self._window.started
+
+    @property
+    def time(self) -> Array:
+        """(N) since the start of each episode [s]."""
+        seconds: Array = self._window.elapsed / self.config.control_frequency
+        return seconds
+
+    def get_state(self) -> LoopState:
+        """Copy of all that determines how the environments go on."""
+        return LoopState(self.physics.snapshot(), copy.deepcopy(self._rest()))
+
+    def set_state(self, state: LoopState) -> Array:
+        """Go back to a state of this loop or of one made with the same keywords.
+
+        Returns:
+            (N, size) observations.
+
+        Raises:
+            InvalidValueError: a state of another number of environments.
+        """
+        if len(state.rest["_unplayable"]) != self.num_envs:
+            raise InvalidValueError(
+                "state's number of environments", len(state.rest["_unplayable"]), f"{self.num_envs}"
+            )
+        self.physics.restore(state.physics)
+        self.__dict__.update(copy.deepcopy(state.rest))
+        return self._observe()
+
+    def _rest(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in self.state_names}
+
+
+def _nothing(_: Step) -> None:
+    """Nobody listens."""

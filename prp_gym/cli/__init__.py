@@ -1,0 +1,1 @@
+"""The command `prp-gym`, one module a command."""

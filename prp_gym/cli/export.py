@@ -1,0 +1,80 @@
+"""The command `prp-gym export`."""
+
+import shlex
+import sys
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium
+import typer
+
+from prp_gym.agents.policy.agent_card import Run
+from prp_gym.agents.policy.agent_file import save_agent
+from prp_gym.agents.policy.normalizer import Normalizer
+from prp_gym.agents.sb3.export import AgentFacts, export_agent, identity_normalizer
+from prp_gym.agents.sb3.make_vec_env import require_stable_baselines
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.registration import list_envs
+from prp_gym.tasks.fields import ObservationLayout
+
+
+def export_command(
+    path: Annotated[Path, typer.Argument(help="Model of Stable-Baselines3, a zip.")],
+    env: Annotated[str, typer.Option(help="Environment id on which it was trained.")],
+    output: Annotated[Path, typer.Option(help="Of the agent's files, without suffix.")],
+    algorithm: Annotated[str, typer.Option(help="ppo, recurrent_ppo, sac, td3 or tqc.")] = "ppo",
+    normalizer: Annotated[
+        Path | None, typer.Option(help="Its VecNormalize, a pickle. Default: none was used.")
+    ] = None,
+    scenario: Annotated[str, typer.Option(help="Scenario of training.")] = "randomized",
+    action_mode: Annotated[str, typer.Option(help="Action mode of training.")] = "torque",
+    control_frequency: Annotated[float, typer.Option(help="Actions a second in training [Hz].")] = 500.0,
+    seed: Annotated[int | None, typer.Option(help="Of training. Default: the model's.")] = None,
+    trust: Annotated[
+        bool, typer.Option("--trust", help="Open the files, and run whatever code is in them.")
+    ] = False,
+) -> None:
+    """Convert a model of Stable-Baselines3 into an agent's files, which hold no code.
+
+    Stable-Baselines3 saves with pickle: whoever wrote such a file can run any code on the machine that opens
+    it. So it is opened only if you say that you trust its author.
+    """
+    if not trust:
+        allowed = "only with --trust, as such files run code of their author's when they are opened"
+        raise InvalidValueError("file to export", str(path), allowed)
+    if env not in list_envs():
+        raise UnknownNameError("environment", env, list_envs())
+    keywords: dict[str, Any] = {
+        "scenario": scenario,
+        "action_mode": action_mode,
+        "control_frequency": control_frequency,
+    }
+    with closing(gymnasium.make(env, **keywords)) as made:
+        layout: ObservationLayout = made.get_wrapper_attr("observation_layout")
+    model, scale = _open(path, algorithm, normalizer)
+    facts = AgentFacts(env, keywords, layout, _run_of(model, seed))
+    policy = export_agent(model, scale, facts)
+    with closing(policy.make_env()):  # on which it can act
+        tensors, card = save_agent(policy, output)
+    typer.echo(f"agent: {tensors} and {card}")
+
+
+def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Normalizer]:
+    """The model and its normaliser, of files that the user trusts."""
+    require_stable_baselines("sb3_contrib")
+    from prp_gym.agents.sb3.trusted_files import open_trusted_model, open_trusted_normalizer
+
+    model = open_trusted_model(path, algorithm)
+    if normalizer is not None:
+        return model, open_trusted_normalizer(normalizer)
+    return model, identity_normalizer(sum(model.observation_space.shape or ()))
+
+
+def _run_of(model: Any, seed: int | None) -> Run:
+    """What is known of a training that this package did not do."""
+    known = model.seed if seed is None else seed
+    if known is None:
+        raise InvalidValueError("seed", None, "a whole number, with --seed: the model does not know its own")
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    return Run(command, known, model.num_timesteps, 0.0, {}, ())

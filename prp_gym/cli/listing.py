@@ -1,0 +1,103 @@
+"""The command `prp-gym list`."""
+
+from typing import Annotated
+
+import gymnasium
+import typer
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from prp_gym.action_modes import list_action_modes
+from prp_gym.action_modes.catalogue import MODES, RESIDUAL
+from prp_gym.baselines import BASELINES
+from prp_gym.baselines.gains import gain_sets
+from prp_gym.cli.terminal import make_console, make_matrix
+from prp_gym.envs.action_mode import TORQUE
+from prp_gym.registration import ENVIRONMENTS
+from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.scenario import SCENARIOS
+
+
+def list_command(
+    matrix: Annotated[bool, typer.Option("--matrix", help="Show which law runs where, and why not.")] = False,
+    modes: Annotated[bool, typer.Option("--modes", help="Show what actions can mean, and where.")] = False,
+) -> None:
+    """Show environments, laws and scenarios, or which law runs where, or what actions can mean."""
+    console = make_console()
+    layouts = _layouts()
+    if matrix:
+        console.print(_matrix(layouts))
+        for reason in _reasons(layouts):
+            console.print(reason)
+    if modes:
+        console.print(_modes(layouts))
+    if not (matrix or modes):
+        for table in (_environments(layouts), _controllers()):
+            console.print(table)
+        console.print(f"scenarios: {', '.join(SCENARIOS)}")
+
+
+def _layouts() -> dict[str, ObservationLayout]:
+    """What every environment observes, by id."""
+    layouts = {}
+    for entry in ENVIRONMENTS:
+        made = gymnasium.make(entry.id)
+        layouts[entry.id] = made.get_wrapper_attr("observation_layout")
+        made.close()
+    return layouts
+
+
+def _table(title: str, headers: tuple[str, ...]) -> Table:
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
+    for header in headers:
+        table.add_column(header, overflow="fold")
+    return table
+
+
+def _environments(layouts: dict[str, ObservationLayout]) -> Table:
+    table = _table("environments", ("id", "task", "observation fields"))
+    for entry in ENVIRONMENTS:
+        table.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
+    return table
+
+
+def _controllers() -> Table:
+    table = _table("controllers", ("controller", "what it is", "gain sets"))
+    for name, controller in BASELINES.items():
+        table.add_row(name, controller.summary, ", ".join(gain_sets(name)))
+    return table
+
+
+def _modes(layouts: dict[str, ObservationLayout]) -> Table:
+    table = _table("action modes", ("mode", "inner law", "an action", "environments"))
+    where = {name: list_action_modes(layout) for name, layout in layouts.items()}
+    table.add_row(TORQUE, "", "is the joint torques", "all")
+    for entry in MODES.values():
+        conditions = [name.removeprefix("PRP-") for name, modes in where.items() if entry.name in modes]
+        shown = "all" if len(conditions) == len(where) else ", ".join(conditions)
+        table.add_row(entry.name, entry.controller, entry.summary, shown)
+    table.add_row(f"{RESIDUAL}LAW", "LAW", "adds to its torques", "where LAW runs")
+    return table
+
+
+def _matrix(layouts: dict[str, ObservationLayout]) -> Table:
+    rows = (
+        (name, ["-" if controller.missing_fields(layout) else "yes" for controller in BASELINES.values()])
+        for name, layout in layouts.items()
+    )
+    return make_matrix("which law runs where", BASELINES, rows)
+
+
+def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:
+    """What is read by some laws and not given by some environments."""
+    lacking: dict[str, tuple[list[str], list[str]]] = {}
+    for environment_id, layout in layouts.items():
+        for name, controller in BASELINES.items():
+            for field in controller.missing_fields(layout):
+                controllers, conditions = lacking.setdefault(field, ([], []))
+                controllers += [name] * (name not in controllers)
+                conditions += [environment_id] * (environment_id not in conditions)
+    return [
+        f"{field}: read by {', '.join(controllers)}; not given by {', '.join(conditions)}"
+        for field, (controllers, conditions) in lacking.items()
+    ]

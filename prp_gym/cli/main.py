@@ -1,0 +1,66 @@
+"""The command `prp-gym`."""
+
+import sys
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from prp_gym.cli.compare import compare_command
+from prp_gym.cli.evaluate import evaluate_command
+from prp_gym.cli.export import export_command
+from prp_gym.cli.listing import list_command
+from prp_gym.cli.reproduce import reproduce_command
+from prp_gym.cli.ship import ship_command
+from prp_gym.cli.terminal import make_console
+from prp_gym.cli.train import train_command
+from prp_gym.cli.tune import tune_command
+from prp_gym.errors import PRPError
+
+_USAGE_ERROR = 2
+
+app = typer.Typer(
+    name="prp-gym",
+    help="Gymnasium environments and classical baselines for the PRP arm.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"prp-gym {version('prp-gym')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    _: Annotated[
+        bool, typer.Option("--version", help="Show the version.", callback=_show_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Gymnasium environments and classical baselines for the PRP arm."""
+
+
+app.command("compare")(compare_command)
+app.command("evaluate")(evaluate_command)
+app.command("export")(export_command)
+app.command("list")(list_command)
+app.command("reproduce")(reproduce_command)
+app.command("ship")(ship_command)
+app.command("tune")(tune_command)
+app.command("train")(train_command)
+
+
+def main() -> None:
+    """Run the command; an error of this package ends with its message and exit code 2."""
+    try:
+        app()
+    except PRPError as error:
+        make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
+        sys.exit(_USAGE_ERROR)
+
+
+if __name__ == "__main__":
+    main()

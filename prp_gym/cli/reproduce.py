@@ -1,0 +1,67 @@
+"""The command `prp-gym reproduce`."""
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.evaluation.results import prepare_folder
+from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
+from prp_gym.reproduction.experiment import Experiment
+from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
+from prp_gym.reproduction.report import write_figure, write_index, write_summary
+from prp_gym.reproduction.run import RecordedRun, check_names, play
+from prp_gym.reproduction.table import answers_table, verdict_table
+
+_FAILED = 1
+
+
+def reproduce_command(
+    figure: Annotated[list[int] | None, typer.Option(help="Figure; repeatable. Default: all.")] = None,
+    output: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = Path(
+        "results/reproduction"
+    ),
+) -> None:
+    """Run the report's experiments again: figures, and closed forms beside what is measured.
+
+    The exit code is 1 if a measured value lies outside its tolerance and outside what an explanation allows.
+    """
+    catalogue = load_catalogue()
+    chosen = catalogue.choose(figure or [])
+    for experiment in chosen:
+        for name in experiment.runs:
+            check_names(catalogue.runs[name])
+    prepare_folder(output)
+    outcomes = _reproduce(chosen, catalogue, output)
+    answers = fill(catalogue.answers, outcomes)
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    write_summary(output, outcomes, answers, command)
+    write_index(output, outcomes, answers, command)
+    console = make_console(least=TABLE_WIDTH)
+    console.print(verdict_table(outcomes))
+    console.print(answers_table(answers))
+    console.print(f"figures, tables and explanations: {output / 'index.md'}", highlight=False)
+    if any(verdict.word == "FAIL" for outcome in outcomes for verdict in outcome.verdicts):
+        raise typer.Exit(_FAILED)
+
+
+def _reproduce(chosen: list[Experiment], catalogue: Catalogue, output: Path) -> list[FigureOutcome]:
+    """Play every run once, judge and draw every figure, under a progress bar."""
+    names = list(dict.fromkeys(name for experiment in chosen for name in experiment.runs))
+    played: dict[str, RecordedRun] = {}
+    outcomes = []
+    with make_progress() as progress:
+        bar = progress.add_task("playing", total=len(names) + len(chosen))
+        for name in names:
+            progress.update(bar, description=f"playing {name}")
+            played[name] = play(catalogue.runs[name])
+            progress.advance(bar)
+        for experiment in chosen:
+            progress.update(bar, description=f"drawing figure {experiment.number}")
+            outcomes.append(judge(experiment, played))
+            write_figure(output, outcomes[-1])
+            progress.advance(bar)
+    return outcomes

@@ -1,0 +1,231 @@
+"""The command `prp-gym ship`."""
+
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated, Any
+
+import typer
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from prp_gym.agents.policy.agent_card import Score
+from prp_gym.agents.policy.agent_file import CARD, TENSORS, load_agent, save_agent
+from prp_gym.agents.policy.learned_policy import LearnedPolicy
+from prp_gym.agents.training.recipes import Recipe
+from prp_gym.agents.training.run_folder import RunFolder
+from prp_gym.agents.training.shipped import read_groups
+from prp_gym.cli.options import Backend, FirstSeed
+from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.envs.config import EnvConfig
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.evaluate import check_protocol, evaluate
+from prp_gym.evaluation.results import prepare_folder, to_plain, write_file
+from prp_gym.runs.workers import Workers
+
+SCENARIOS = ("randomized", "realistic")
+"""In which agents that come with the suite have scores, beside the one of their training."""
+
+
+def ship_command(
+    runs: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("runs"),
+    output: Annotated[Path, typer.Option(help="Folder for the agents.")] = Path("agents/trained"),
+    manifest: Annotated[
+        Path | None, typer.Option(help="List of the agents in YAML, in place of the suite's own.")
+    ] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
+    ] = None,
+    episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.")] = 100,
+    seed: FirstSeed = 0,
+    jobs: Annotated[
+        int, typer.Option(help="Agents at once; 1: in this process, 0: as many as there are cores.")
+    ] = 0,
+    backend: Backend = "loky",
+    allow_missing: Annotated[
+        bool, typer.Option("--allow-missing", help="Leave out what is not trained yet.")
+    ] = False,
+) -> None:
+    """Evaluate the agents that come with the suite, and put them where they are found by name.
+
+    They are those that `prp-gym train --shipped` trains. Agents that were trained otherwise than the recipes
+    say are refused; files that would not change are left as they are.
+    """
+    workers = Workers(jobs, backend)
+    check_protocol(episodes, seed)
+    recipes = [(group.recipe(config), group.seeds) for group in read_groups(manifest)]
+    wanted = [
+        Candidate.of(recipe, number, runs, output, episodes, seed)
+        for recipe, count in recipes
+        for number in range(count)
+    ]
+    ready = [candidate for candidate in wanted if candidate.is_trained]
+    missing = [str(candidate.run) for candidate in wanted if candidate not in ready]
+    if missing and not (allow_missing and ready):
+        raise InvalidValueError(
+            "runs without a trained agent", missing, "none; prp-gym train --shipped trains them"
+        )
+    for candidate in ready:
+        candidate.check()
+    prepare_folder(output)
+    changed = _ship(ready, workers)
+    _show(ready, changed)
+    _tell("not trained yet, left out", missing)
+    _tell("not in the list, left as they are", _leftovers(output, wanted))
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An agent that is to come with the suite.
+
+    Attributes:
+        run: folder of its training.
+        target: its files, without suffix.
+        training_seed: of its training.
+        settings: by which it must have been trained.
+        episodes: of each evaluation.
+        seed: of the first episode.
+    """
+
+    run: Path
+    target: Path
+    training_seed: int
+    settings: dict[str, Any]
+    episodes: int
+    seed: int
+
+    @classmethod
+    def of(
+        cls, recipe: Recipe, training_seed: int, runs: Path, output: Path, episodes: int, seed: int
+    ) -> "Candidate":
+        """The agent of a recipe and a training seed."""
+        group = Path(recipe.environment_id) / recipe.name
+        return cls(
+            run=runs.resolve() / group / f"seed_{training_seed}",
+            target=output.resolve() / group.with_name(f"{group.name}_seed_{training_seed}"),
+            training_seed=training_seed,
+            settings=to_plain(recipe.to_plain()),
+            episodes=episodes,
+            seed=seed,
+        )
+
+    @property
+    def is_trained(self) -> bool:
+        """Whether its training is finished."""
+        return RunFolder(self.run).is_finished
+
+    def load(self) -> LearnedPolicy:
+        """The agent as its training left it.
+
+        Raises:
+            AgentFileError: files that are missing or damaged.
+        """
+        return load_agent(RunFolder(self.run).agent)
+
+    def check(self) -> None:
+        """Refuse an agent that was trained otherwise.
+
+        Raises:
+            InvalidValueError: another recipe or seed.
+            AgentFileError: files that are missing or damaged.
+        """
+        run = self.load().card.run
+        there = {**to_plain(run.hyperparameters), "seed": run.seed}
+        requested = {**self.settings, "seed": self.training_seed}
+        for key in dict.fromkeys((*requested, *there)):
+            if there.get(key) != requested.get(key):
+                what = f"{key} of the agent in {str(self.run)!r}"
+                raise InvalidValueError(what, there.get(key), f"{requested.get(key)!r}, as the recipe says")
+
+
+def score_agent(candidate: Candidate) -> dict[str, Score]:
+    """Scores of an agent by scenario.
+
+    Args:
+        candidate: the agent, and on how many episodes.
+    """
+    policy = candidate.load()
+    trained = str(policy.environment_keywords.get("scenario", EnvConfig.scenario))
+    return {
+        scenario: _score(policy, scenario, candidate.episodes, candidate.seed)
+        for scenario in dict.fromkeys((*SCENARIOS, trained))
+    }
+
+
+def _score(policy: LearnedPolicy, scenario: str, episodes: int, seed: int) -> Score:
+    with closing(policy.make_env(scenario=scenario)) as env:
+        evaluation = evaluate(policy, env, episodes, seed)
+    value, low, high = (float(number) for number in evaluation.score)
+    return Score(value, low, high, len(evaluation.rollouts), seed)
+
+
+def _ship(candidates: Sequence[Candidate], workers: Workers) -> list[Candidate]:
+    """Write the agents with their scores; those whose files are new or changed."""
+    changed = []
+    with make_progress() as progress, closing(workers.run(score_agent, candidates)) as scored:
+        bar = progress.add_task("evaluating agents", total=len(candidates))
+        for index, scores in scored:
+            if _write(candidates[index], scores):
+                changed.append(candidates[index])
+            progress.advance(bar)
+    return changed
+
+
+def _write(candidate: Candidate, scores: dict[str, Score]) -> bool:
+    """Write an agent's files unless they are there as they would be written; whether it did."""
+    policy = candidate.load()
+    card = replace(policy.card, scores=scores)
+    changed = False
+    with TemporaryDirectory() as folder:
+        made = save_agent(
+            LearnedPolicy(card, policy.normalizer, policy.network), Path(folder) / candidate.target.name
+        )
+        for path in made:
+            target = candidate.target.with_name(path.name)
+            content = path.read_bytes()
+            if not target.is_file() or target.read_bytes() != content:
+                write_file(target, content)
+                changed = True
+    return changed
+
+
+def _leftovers(output: Path, wanted: Sequence[Candidate]) -> list[str]:
+    """Agents' files in the folder that belong to none of the list."""
+    kept = {
+        candidate.target.with_name(candidate.target.name + end)
+        for candidate in wanted
+        for end in (TENSORS, CARD)
+    }
+    found = (path for end in (TENSORS, CARD) for path in output.resolve().glob(f"*/*{end}"))
+    return sorted(str(path) for path in found if path not in kept)
+
+
+def _tell(what: str, names: Sequence[str]) -> None:
+    """Name on standard error what whoever ships should look at."""
+    if names:
+        console = make_console(stderr=True)
+        for line in (f"{what}:", *(f"  {name}" for name in names)):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+
+
+def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None:
+    """Print the agents' scores, a line an agent."""
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("agent")
+    for header in (*SCENARIOS, "files"):
+        table.add_column(header, justify="right")
+    for candidate in candidates:
+        scores = load_agent(candidate.target).card.scores
+        cells = [
+            f"{scores[name].value:.3f} [{scores[name].low:.3f}, {scores[name].high:.3f}]"
+            for name in SCENARIOS
+        ]
+        name = f"{candidate.target.parent.name}/{candidate.target.name}"
+        table.add_row(name, *cells, "written" if candidate in changed else "as before")
+    console = make_console(least=TABLE_WIDTH)
+    console.print(table)
+    console.print(
+        "score: interquartile mean over episodes of return/duration with its 95 % interval, 1 is perfect."
+    )

@@ -1,0 +1,215 @@
+"""The command `prp-gym train`."""
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import gymnasium
+import typer
+
+from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
+from prp_gym.agents.training.shipped import read_groups
+from prp_gym.cli.options import Backend
+from prp_gym.cli.terminal import TABLE_WIDTH, make_console
+from prp_gym.cli.training_progress import show_results, train_seeds
+from prp_gym.errors import InvalidValueError
+from prp_gym.runs.workers import Workers
+
+if TYPE_CHECKING:
+    from prp_gym.agents.training.train import TrainingJob
+
+_EVALUATIONS, _EVALUATIONS_SHIPPED = 10, 20
+_OF_ONE_GROUP = ("algo", "action_mode", "seeds", "first_seed")
+
+
+def train_command(
+    context: typer.Context,
+    env_id: Annotated[str | None, typer.Argument(help="Environment id; none with --shipped.")] = None,
+    shipped: Annotated[
+        bool,
+        typer.Option(
+            "--shipped", help="In place of an id: all agents that come with the suite, each with its recipe."
+        ),
+    ] = False,
+    manifest: Annotated[
+        Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
+    ] = None,
+    algo: Annotated[str, typer.Option(help="ppo, sac, td3, tqc or recurrent_ppo.")] = "ppo",
+    action_mode: Annotated[
+        str | None, typer.Option(help="What actions mean. Default: what the recipe says.")
+    ] = None,
+    seeds: Annotated[int, typer.Option(help="Training seeds, an agent each.")] = 1,
+    first_seed: Annotated[int, typer.Option(help="The first of them.")] = 0,
+    config: Annotated[
+        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="key=value in place of the recipe's, as in YAML; repeatable."),
+    ] = None,
+    output: Annotated[Path, typer.Option(help="Folder for the runs.")] = Path("runs"),
+    eval_every: Annotated[
+        int,
+        typer.Option(help="Steps between evaluations; 0: a tenth of all steps, with --shipped a twentieth."),
+    ] = 0,
+    eval_episodes: Annotated[int, typer.Option(help="Held-out episodes of an evaluation.")] = 20,
+    checkpoint_every: Annotated[
+        int, typer.Option(help="Steps between checkpoints; 0: as between evaluations.")
+    ] = 0,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with runs that were interrupted.")] = False,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Remove runs that are there, and start over.")
+    ] = False,
+    tensorboard: Annotated[
+        bool | None, typer.Option(help="Write TensorBoard's files. Default: unless --shipped.")
+    ] = None,
+    jobs: Annotated[
+        int, typer.Option(help="Seeds at once; 1: in this process, 0: as many as there are cores.")
+    ] = 0,
+    backend: Backend = "loky",
+) -> None:
+    """Train agents with Stable-Baselines3 and keep the best policy of each.
+
+    A seed whose run is finished is left as it is. A run that was interrupted goes on with --resume, which
+    --shipped implies: with new episodes, and all else as the last checkpoint has it.
+    """
+    workers = Workers(jobs, backend)
+    _check_choice(context, env_id, shipped, manifest)
+    _check_counts(seeds, first_seed, eval_every, eval_episodes, checkpoint_every)
+    if resume and fresh:
+        raise InvalidValueError("--resume together with --fresh", True, "one of them")
+    overrides = tuple(set_ or ())
+    if env_id is None:
+        groups = [(group.recipe(config, overrides), range(group.seeds)) for group in read_groups(manifest)]
+    else:
+        recipe = load_recipe(algo, env_id, action_mode, config, overrides)
+        groups = [(recipe, range(first_seed, first_seed + seeds))]
+    for recipe, _ in groups:
+        _check_environment(recipe)
+    runs = _Runs(
+        output.resolve(),
+        _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes),
+        checkpoint_every,
+        "fresh" if fresh else "resume" if resume or shipped else "refuse",
+        not shipped if tensorboard is None else tensorboard,
+        _recipe_options(config, overrides),
+    )
+    _train([runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups], workers)
+
+
+@dataclass(frozen=True)
+class _Evaluations:
+    """When a policy is evaluated in training.
+
+    Attributes:
+        count: of a whole training.
+        every: steps between them in place of that, 0 for none.
+        episodes: of each.
+    """
+
+    count: int
+    every: int
+    episodes: int
+
+    def steps_between(self, recipe: Recipe) -> int:
+        """Steps between two of them."""
+        return self.every or max(1, recipe.n_timesteps // self.count)
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """What the runs of all groups share.
+
+    Attributes:
+        output: folder of them all.
+        evaluations: in training.
+        checkpoint_every: steps between checkpoints, 0 for as between evaluations.
+        existing: what to do with an unfinished run.
+        tensorboard: whether to write TensorBoard's files.
+        recipe_options: that changed the recipes.
+    """
+
+    output: Path
+    evaluations: _Evaluations
+    checkpoint_every: int
+    existing: str
+    tensorboard: bool
+    recipe_options: tuple[str, ...]
+
+    def jobs_of(self, recipe: Recipe, seeds: range) -> list["TrainingJob"]:
+        """A job a seed."""
+        from prp_gym.agents.training.train import TrainingJob
+
+        every = self.evaluations.steps_between(recipe)
+        group = self.output / recipe.environment_id / recipe.name
+        return [
+            TrainingJob(
+                *(recipe, seed, group / f"seed_{seed}", every, self.evaluations.episodes),
+                *(self.checkpoint_every or every, self.existing, self.tensorboard),
+                self._command(recipe, seed),
+            )
+            for seed in seeds
+        ]
+
+    def _command(self, recipe: Recipe, seed: int) -> str:
+        """The command that trains this one agent again."""
+        options = {
+            "--algo": recipe.algorithm,
+            "--action-mode": recipe.action_mode,
+            "--first-seed": seed,
+            "--eval-every": self.evaluations.steps_between(recipe),
+            "--eval-episodes": self.evaluations.episodes,
+        }
+        given = (str(part) for option in options.items() for part in option)
+        return shlex.join(["prp-gym", "train", recipe.environment_id, *given, *self.recipe_options])
+
+
+def _recipe_options(config: Path | None, overrides: Sequence[str]) -> tuple[str, ...]:
+    """The options that change recipes, as they are given."""
+    chosen = ("--config", str(config)) if config else ()
+    return (*chosen, *(part for text in overrides for part in ("--set", text)))
+
+
+def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers) -> None:
+    """Train the seeds of all groups, and print what came out."""
+    results = iter(train_seeds([job for jobs in groups for job in jobs], workers))
+    for jobs in groups:
+        show_results(jobs, list(islice(results, len(jobs))))
+    console = make_console(least=TABLE_WIDTH)
+    console.print("score: mean of return/duration over held-out episodes, 1 is perfect.")
+    for folder in dict.fromkeys(job.folder.parent for jobs in groups for job in jobs):
+        console.print(f"runs: {folder}", highlight=False)
+
+
+def _check_choice(context: typer.Context, env_id: str | None, shipped: bool, manifest: Path | None) -> None:
+    """Refuse options that do not go together."""
+    if (env_id is None) != shipped:
+        raise InvalidValueError("environment id and --shipped", (env_id, shipped), "exactly one of the two")
+    if manifest is not None and not shipped:
+        raise InvalidValueError("--manifest", str(manifest), "only with --shipped")
+    for name in _OF_ONE_GROUP:
+        source = context.get_parameter_source(name)
+        if shipped and source is not None and source.name == "COMMANDLINE":
+            option = f"--{name.replace('_', '-')}"
+            raise InvalidValueError(option, context.params[name], "not with --shipped: the list says it")
+
+
+def _check_counts(
+    seeds: int, first_seed: int, eval_every: int, eval_episodes: int, checkpoint_every: int
+) -> None:
+    least = {"seeds": (seeds, 1), "first_seed": (first_seed, 0), "eval_every": (eval_every, 0)}
+    least |= {"eval_episodes": (eval_episodes, 1), "checkpoint_every": (checkpoint_every, 0)}
+    for name, (value, smallest) in least.items():
+        if value < smallest:
+            raise InvalidValueError(name, value, f"a whole number, at least {smallest}")
+    if first_seed + seeds > SEEDS:
+        raise InvalidValueError("last seed", first_seed + seeds - 1, f"at most {SEEDS - 1}")
+
+
+def _check_environment(recipe: Recipe) -> None:
+    """Refuse keywords that the environment refuses, before a folder is made."""
+    keywords: dict[str, Any] = dict(recipe.env_kwargs)
+    gymnasium.make(recipe.environment_id, **keywords).close()

@@ -1,0 +1,111 @@
+"""Training seeds of one recipe or of several as one list of work, with its progress and its results."""
+
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE_HEAD
+from rich.progress import Progress
+from rich.table import Table
+
+from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.workers import Workers
+
+if TYPE_CHECKING:
+    from prp_gym.agents.training.train import TrainingJob
+
+_WATCH_EVERY = 0.5  # s
+
+Result = dict[str, Any]
+"""What a run's `result.json` holds."""
+
+
+def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Result]:
+    """Train what is not finished yet, telling the progress on standard error.
+
+    Args:
+        wanted: begun in this order.
+        workers: who train.
+
+    Returns:
+        what came out, in the order of `wanted`.
+
+    Raises:
+        PRPError: what training refuses; unfinished runs that may not be resumed before anything is begun.
+    """
+    from prp_gym.agents.training.train import is_ready, train
+
+    missing = [index for index, job in enumerate(wanted) if not is_ready(job)]
+    results = {index: train(job) for index, job in enumerate(wanted) if index not in missing}
+    if results:
+        _tell(make_console(stderr=True), f"{len(results)} of {len(wanted)} seeds are finished.")
+    jobs = [wanted[index] for index in missing]
+    with _progress_of(jobs) as progress, closing(workers.run(train, jobs)) as trained:
+        for number, result in trained:
+            results[missing[number]] = result
+            best = result["best"]
+            outcome = f"best score {best['score']:.3f} at step {best['steps']}"
+            minutes = f"{result['seconds'] / 60:.1f} minutes"
+            _tell(
+                progress.console,
+                f"{len(results)} of {len(wanted)}: {_name(jobs[number])}, {outcome}, {minutes}",
+            )
+    return [results[index] for index in range(len(wanted))]
+
+
+def _name(job: "TrainingJob") -> str:
+    return f"{job.recipe.environment_id} {job.recipe.name} seed {job.seed}"
+
+
+def _tell(console: Any, text: str) -> None:
+    console.print(text, highlight=False, markup=False)
+
+
+@contextmanager
+def _progress_of(jobs: Sequence["TrainingJob"]) -> Iterator[Progress]:
+    """Bars of all steps and of each seed in training, as their folders tell, while the training runs."""
+    from prp_gym.agents.training.run_folder import RunFolder
+
+    over = threading.Event()
+    with make_progress() as progress:
+        totals = [job.recipe.n_timesteps for job in jobs]
+        whole = progress.add_task("all steps", total=sum(totals), visible=len(jobs) > 1)
+        bars = [progress.add_task(_name(job), total=job.recipe.n_timesteps, visible=False) for job in jobs]
+        folders = [RunFolder(job.folder) for job in jobs]
+
+        def watch() -> None:
+            while not over.wait(_WATCH_EVERY):
+                done = [folder.read_steps() for folder in folders]
+                progress.update(whole, completed=sum(map(min, done, totals)))
+                for bar, folder, steps in zip(bars, folders, done, strict=True):
+                    progress.update(bar, completed=steps, visible=steps > 0 and not folder.is_finished)
+
+        watcher = threading.Thread(target=watch, daemon=True)
+        watcher.start()
+        try:
+            yield progress
+        finally:
+            over.set()
+            watcher.join()
+
+
+def show_results(jobs: Sequence["TrainingJob"], results: Sequence[Result]) -> None:
+    """Print what came out of one recipe's seeds, a line a seed.
+
+    Args:
+        jobs: of the recipe, in the order of their seeds.
+        results: of the jobs.
+    """
+    recipe = jobs[0].recipe
+    title = f"{recipe.environment_id}, {recipe.algorithm}, action mode {recipe.action_mode}"
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
+    for header in ("seed", "best score", "at step", "last score", "steps", "minutes"):
+        table.add_column(header, justify="right")
+    for job, result in zip(jobs, results, strict=True):
+        best = result["best"]
+        numbers = (f"{best['score']:.3f}", str(best["steps"]), f"{result['last_score']:.3f}")
+        table.add_row(str(job.seed), *numbers, str(result["steps"]), f"{result['seconds'] / 60:.1f}")
+    console = make_console(least=TABLE_WIDTH)
+    console.print(title, highlight=False)
+    console.print(table)

@@ -1,0 +1,161 @@
+"""The command `prp-gym tune`."""
+
+import math
+import shlex
+import sys
+from contextlib import closing
+from dataclasses import asdict
+from fractions import Fraction
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any
+
+import gymnasium
+import typer
+from rich.table import Table
+
+import prp_gym
+from prp_gym.baselines import make_baseline
+from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.evaluation.evaluate import episodes_to_play
+from prp_gym.evaluation.results import list_versions, to_plain, write_json
+from prp_gym.registration import list_envs
+from prp_gym.runs.job import running_code
+from prp_gym.tuning.episodes import Episodes
+from prp_gym.tuning.search_space import SearchSpace
+from prp_gym.tuning.stored_study import StoredStudy
+from prp_gym.tuning.task import VALIDATION_SEED, TuningTask
+from prp_gym.tuning.tune import Tuned, search_space, tune
+from prp_gym.tuning.tuned_controller import TunedController, Validation
+
+VALIDATION_EPISODES = 100
+RESULT = "result.json"
+
+
+def tune_command(
+    controller: Annotated[str, typer.Argument(help="Law to tune.")],
+    env: Annotated[str, typer.Option(help="Environment id.")],
+    budget: Annotated[
+        int | None, typer.Option(help="Control steps to simulate at most, of all environments together.")
+    ] = None,
+    like: Annotated[
+        str | None,
+        typer.Option(
+            help="In place of --budget: an agent, name or path, whose simulated time is the budget."
+        ),
+    ] = None,
+    scenario: Annotated[str, typer.Option(help="Scenario.")] = "randomized",
+    control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
+    episodes: Annotated[int, typer.Option(help="Training episodes of every candidate.")] = 20,
+    seed: Annotated[int, typer.Option(help="Of the search and of its training episodes.")] = 0,
+    output: Annotated[Path, typer.Option(help="Folder for the folder of the search.")] = Path("tuning"),
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a search that was interrupted, if there is one.")
+    ] = False,
+) -> None:
+    """Tune a classical law with a budget of simulated steps, and compare it with its own tuned gains."""
+    if env not in list_envs():
+        raise UnknownNameError("environment", env, list_envs())
+    steps = _budget(budget, like, control_frequency)
+    task = TuningTask(env, controller, scenario, control_frequency, steps, episodes, seed)
+    folder = output / f"{env}_{controller}"
+    with closing(gymnasium.make(env, scenario=scenario, control_frequency=control_frequency)) as made:
+        space = search_space(task, made)
+        study = StoredStudy(folder, space, _key(task), seed, resume)
+        tuned = _search(task, made, space, study)
+        played = episodes_to_play(made, task.episodes)
+        result = _result(task, tuned, played, _validate(task, made, space, tuned))
+    write_json(folder / RESULT, asdict(result))
+    _show(result, folder / RESULT)
+
+
+def _budget(budget: int | None, like: str | None, control_frequency: float) -> int:
+    """The steps asked for, or those of a law in the time that an agent was trained.
+
+    Raises:
+        InvalidValueError: none of the two, or both.
+    """
+    if (budget is None) == (like is None):
+        raise InvalidValueError("--budget and --like", (budget, like), "exactly one of the two")
+    if budget is not None:
+        return budget
+    card = prp_gym.load_agent(str(like)).card
+    # as fractions, so that no step is lost to rounding
+    return math.floor(Fraction(card.steps) * Fraction(control_frequency) / Fraction(card.control_frequency))
+
+
+def _key(task: TuningTask) -> dict[str, Any]:
+    """What the trials of a search depend on."""
+    plain: dict[str, Any] = to_plain(
+        {**asdict(task), "code": {**running_code(), "optuna": version("optuna")}}
+    )
+    return plain
+
+
+def _search(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace, study: StoredStudy) -> Tuned:
+    """Spend the budget behind a bar."""
+    before = sum(trial.steps for trial in study.trials)
+    if before:
+        note = f"{len(study.trials)} trials with {before} steps were finished by an interrupted run."
+        make_console(stderr=True).print(note, highlight=False)
+    with make_progress() as progress:
+        bar = progress.add_task(f"tuning {task.controller} [steps]", total=task.budget, completed=before)
+        return tune(task, env, space, study, lambda trial: progress.advance(bar, trial.steps))
+
+
+def _validate(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace, tuned: Tuned) -> Validation:
+    """The best settings and the first ones on episodes that the search did not use."""
+    count = episodes_to_play(env, VALIDATION_EPISODES)
+    episodes = Episodes(env, range(VALIDATION_SEED, VALIDATION_SEED + count))
+    found, start = (
+        float(episodes.play(make_baseline(task.controller, env, "tuned", **settings)).scores.mean())
+        for settings in (tuned.settings, space.settings(space.start))
+    )
+    return Validation(seed=VALIDATION_SEED, episodes=count, score=found, score_of_tuned=start)
+
+
+def _result(task: TuningTask, tuned: Tuned, episodes: int, validation: Validation) -> TunedController:
+    return TunedController(
+        environment=task.environment_id,
+        controller=task.controller,
+        scenario=task.scenario,
+        control_frequency=float(task.control_frequency),
+        settings=tuned.settings,
+        budget_steps=task.budget,
+        used_steps=tuned.used_steps,
+        simulated_seconds=tuned.used_steps / task.control_frequency,
+        trials=len(tuned.trials),
+        episodes=episodes,
+        seconds=sum(trial.seconds for trial in tuned.trials),
+        history=tuple(tuned.history),
+        score=tuned.best.score,
+        score_of_tuned=tuned.trials[0].score,
+        validation=validation,
+        seed=task.seed,
+        command=shlex.join(["prp-gym", *sys.argv[1:]]),
+        versions={**list_versions(), "optuna": version("optuna")},
+    )
+
+
+def _show(result: TunedController, target: Path) -> None:
+    """Print the scores before and after."""
+    title = f"{result.controller} on {result.environment}, scenario {result.scenario}"
+    table = Table()
+    checked = result.validation
+    for header in ("settings", "training score", "validation score"):
+        table.add_column(header, justify="left" if header == "settings" else "right")
+    table.add_row("tuned", f"{result.score_of_tuned:.4f}", f"{checked.score_of_tuned:.4f}")
+    table.add_row("equal budget", f"{result.score:.4f}", f"{checked.score:.4f}")
+    console = make_console(least=TABLE_WIDTH)
+    console.print(title, highlight=False)
+    console.print(table)
+    console.print(
+        f"score: mean of return/duration, over {result.episodes} training and {checked.episodes} validation"
+        " episodes; 1 is perfect."
+    )
+    console.print(
+        f"{result.trials} trials, {result.used_steps} of {result.budget_steps} steps"
+        f" ({result.simulated_seconds:g} s simulated), {result.seconds:.1f} s."
+    )
+    console.print(f"result: {target}", highlight=False)

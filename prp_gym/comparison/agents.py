@@ -1,0 +1,168 @@
+"""Learned agents to compare: which files there are, and what their cards say."""
+
+import hashlib
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from prp_gym.agents.policy import agent_file
+from prp_gym.agents.policy.agent_card import AgentCard
+from prp_gym.agents.policy.agent_file import CARD, TENSORS, list_agents, list_seeds, load_agent
+from prp_gym.envs.config import EnvConfig
+from prp_gym.errors import InvalidValueError
+
+_RUN = "agent"  # name of the files in the folder of a training seed
+_SEED = re.compile(r"_seed_\d+$")
+
+
+@dataclass(frozen=True)
+class AgentFile:
+    """An agent of one training seed.
+
+    Attributes:
+        path: of its files, without suffix.
+        sha256: over both files.
+        group: name that it shares with the agents of other training seeds.
+        environment_id: in which it was trained.
+        mode: what its actions mean.
+        control_frequency: actions a second [Hz].
+        training_seed: of its training.
+    """
+
+    path: str
+    sha256: str
+    group: str
+    environment_id: str
+    mode: str
+    control_frequency: float
+    training_seed: int
+
+    @classmethod
+    def read(cls, path: Path, group: str) -> "AgentFile":
+        """An agent by the path of its files, without suffix.
+
+        Raises:
+            PRPError: files that are missing, damaged or no agent.
+        """
+        card = load_agent(path).card
+        return cls(
+            path=str(path),
+            sha256=digest(path),
+            group=group,
+            environment_id=card.environment_id,
+            mode=card.action_mode,
+            control_frequency=card.control_frequency,
+            training_seed=card.seed,
+        )
+
+
+def digest(path: Path) -> str:
+    """SHA-256 over the numbers and the card of an agent, by the path of its files without suffix."""
+    found = hashlib.sha256()
+    for suffix in (TENSORS, CARD):
+        content = Path(f"{path}{suffix}").read_bytes()
+        found.update(f"{suffix}\0{len(content)}\0".encode())
+        found.update(content)
+    return found.hexdigest()
+
+
+def learning_history(card: AgentCard) -> dict[str, Any]:
+    """How an agent's held-out score grew in training, as a record holds it."""
+    points = card.run.curve
+    if not points:
+        return {}
+    return {
+        "scenario": str(card.interface.keywords.get("scenario", EnvConfig.scenario)),
+        "control_frequency": card.control_frequency,
+        "steps": [point.steps for point in points],
+        "seconds": [point.seconds for point in points],
+        "score": [point.score for point in points],
+        "violations": [float(sum(point.violations.values())) for point in points],
+    }
+
+
+def find_agents(environment_ids: Sequence[str], paths: Sequence[Path]) -> list[AgentFile]:
+    """The agents that come with the package for some environments, and those that are given by path.
+
+    Args:
+        environment_ids: chosen environments.
+        paths: of an agent's files, with or without suffix, or of a folder of training seeds `seed_<k>`.
+
+    Returns:
+        agents of every training seed; groups of one name on one environment are told apart by a number.
+
+    Raises:
+        InvalidValueError: a path without agents, an agent of another environment, or agents of one group
+            that differ in more than their training seed.
+    """
+    agents: list[AgentFile] = []
+    for group, stems in [*_shipped(environment_ids), *(_given(path) for path in paths)]:
+        own = [AgentFile.read(stem, group) for stem in stems]
+        for agent in own:
+            if agent.environment_id not in environment_ids:
+                allowed = f"one of the chosen ones: {', '.join(environment_ids)}"
+                raise InvalidValueError(f"environment of agent {agent.path!r}", agent.environment_id, allowed)
+        agents += _renamed(own, {(agent.environment_id, agent.group) for agent in agents})
+    _check_groups(agents)
+    return agents
+
+
+def _shipped(environment_ids: Sequence[str]) -> Iterable[tuple[str, list[Path]]]:
+    for environment_id in environment_ids:
+        for name in list_agents(environment_id):
+            group = name.removeprefix(f"{environment_id}/")
+            yield group, [agent_file.TRAINED / seed for seed in list_seeds(name)]
+
+
+def _given(path: Path) -> tuple[str, list[Path]]:
+    """Name and agents of a path that was asked for.
+
+    Raises:
+        InvalidValueError: there are none.
+    """
+    if path.is_dir():
+        stems = [card.with_name(_RUN) for card in sorted(path.glob(f"seed_*/{_RUN}{CARD}"))]
+        if (path / f"{_RUN}{CARD}").is_file():  # the folder of one training seed
+            return path.resolve().parent.name, [path / _RUN]
+        name = path.resolve().name
+    else:
+        stem = path.with_name(path.name.removesuffix(TENSORS).removesuffix(CARD))
+        stems = [stem] if stem.with_name(f"{stem.name}{CARD}").is_file() else []
+        run = stem.resolve().parent  # seed_<k> in a run's folder
+        name = run.parent.name if stem.name == _RUN else _SEED.sub("", stem.name)
+    if not stems:
+        allowed = f"an agent's {TENSORS} and {CARD}, or a folder with seed_*/{_RUN}{TENSORS}"
+        raise InvalidValueError("agent", str(path), allowed)
+    return name, stems
+
+
+def _renamed(agents: list[AgentFile], taken: set[tuple[str, str]]) -> list[AgentFile]:
+    """The same agents under a name that no other group of their environment has."""
+    if not agents:
+        return agents
+    name, number = agents[0].group, 1
+    while any((agent.environment_id, name) in taken for agent in agents):
+        number += 1
+        name = f"{agents[0].group} ({number})"
+    return [AgentFile(**{**vars(agent), "group": name}) for agent in agents]
+
+
+def _check_groups(agents: Sequence[AgentFile]) -> None:
+    """Refuse agents under one name that differ in more than their training seed, or not even in that."""
+    firsts: dict[tuple[str, str], AgentFile] = {}
+    seen = set()
+    for agent in agents:
+        first = firsts.setdefault((agent.environment_id, agent.group), agent)
+        for name in ("mode", "control_frequency"):
+            if getattr(agent, name) != getattr(first, name):
+                what = f"{name} of agent {agent.path!r}"
+                raise InvalidValueError(
+                    what, getattr(agent, name), f"that of its group, {getattr(first, name)!r}"
+                )
+        key = (agent.environment_id, agent.group, agent.training_seed)
+        if key in seen:
+            what = f"training seed of agent {agent.path!r}"
+            raise InvalidValueError(what, agent.training_seed, "one that no other agent of its group has")
+        seen.add(key)

@@ -1,0 +1,1 @@
+"""Jobs, the workers that run them, and the store of finished ones."""

@@ -1,0 +1,203 @@
+"""`prp-gym evaluate` in parallel and in several goes: always the results of one go in one process."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from prp_gym.cli.main import app
+from prp_gym.errors import EpisodeError, InvalidValueError
+from prp_gym.runs import job as pairs
+from prp_gym.runs import run as run_jobs
+from prp_gym.runs.job import EvaluationJob, JobResult, Record, list_jobs, run_job
+from prp_gym.runs.store import JobStore
+from tests.runs.test_workers import needs_ray
+
+RUNNER = CliRunner()
+IDS = ("PRP-JointTracking-v0", "PRP-Adaptive-v0")
+LAWS = ("joint_pd", "joint_inverse_dynamics", "adaptive")
+SCENARIOS = ("randomized", "report")
+OPTIONS = [
+    *(item for environment_id in IDS for item in ("--env", environment_id)),
+    *(item for controller in LAWS for item in ("--baseline", controller)),
+    *(item for scenario in SCENARIOS for item in ("--scenario", scenario)),
+    *("--gains", "tuned_50hz", "--control-frequency", "50", "--episodes", "3", "--seed", "5"),
+]
+PLACES = [(environment_id, scenario) for environment_id in IDS for scenario in SCENARIOS]
+PAIRS = list_jobs(PLACES, LAWS, "tuned_50hz", 50.0, 3, 5)
+
+
+def outcome(folder: Path) -> list[dict[str, Any]]:
+    """All results but the measured times; nothing else is left in the folder."""
+    assert [entry.name for entry in folder.iterdir()] == ["results.json"]
+    content = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    rows: list[dict[str, Any]] = content["evaluations"]
+    return [{name: value for name, value in row.items() if name != "compute_time_per_step"} for row in rows]
+
+
+def run_here(folder: Path, *options: str) -> tuple[str, str]:
+    """Standard output and error of an evaluation in this process."""
+    result = RUNNER.invoke(app, ["evaluate", "--jobs", "1", "--output", str(folder), *OPTIONS, *options])
+    assert result.exit_code == 0, result.output
+    return result.stdout, " ".join(result.stderr.split())
+
+
+def command(folder: Path, *options: str) -> list[str]:
+    start = [sys.executable, "-W", "error", "-m", "prp_gym.cli.main", "evaluate"]
+    return [*start, "--output", str(folder), *OPTIONS, *options]
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> list[dict[str, Any]]:
+    """Results of one go in one process."""
+    folder = tmp_path_factory.mktemp("whole")
+    run_here(folder)
+    return outcome(folder)
+
+
+@pytest.mark.parametrize("backend", ["loky", pytest.param("ray", marks=needs_ray)])
+def test_results_of_two_workers_are_those_of_one_process(
+    tmp_path: Path, expected: list[dict[str, Any]], backend: str
+) -> None:
+    environment = {name: value for name, value in os.environ.items() if name != "RAY_ADDRESS"}
+    options = ("--jobs", "2", "--backend", backend)
+    done = subprocess.run(command(tmp_path, *options), capture_output=True, text=True, env=environment)
+    assert (done.returncode, done.stderr.strip()) == (0, "")
+    assert outcome(tmp_path) == expected
+
+
+def test_results_are_in_the_order_of_the_options(expected: list[dict[str, Any]]) -> None:
+    assert [(row["environment"], row["scenario"], row["baseline"]) for row in expected] == [
+        (environment_id, scenario, controller)
+        for environment_id in IDS
+        for scenario in SCENARIOS
+        for controller in LAWS
+    ]
+
+
+def test_run_that_was_killed_goes_on_where_it_stopped(tmp_path: Path, expected: list[dict[str, Any]]) -> None:
+    process = subprocess.Popen(
+        command(tmp_path, "--jobs", "2"), start_new_session=True, stdout=subprocess.DEVNULL
+    )
+    for _ in range(60_000):
+        if list(tmp_path.glob("pairs/[!.]*.json")):
+            break
+        time.sleep(0.001)
+    os.killpg(process.pid, signal.SIGKILL)  # its workers, too, so that none outlives the test
+    assert process.wait() == -signal.SIGKILL
+    left = {path.stem: path.read_bytes() for path in tmp_path.glob("pairs/[!.]*.json")}
+    assert 1 <= len(left) < len(PAIRS)
+    assert not (tmp_path / "results.json").exists()
+    _, error = run_here(tmp_path)
+    assert error.startswith(f"{len(left)} of {len(PAIRS)} pairs were finished by an interrupted run")
+    content = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
+    for pair, row in zip(PAIRS, content["evaluations"], strict=True):
+        if pair.name in left:  # measured times included, so it was not played again
+            assert row == json.loads(left[pair.name])["record"]
+    assert outcome(tmp_path) == expected
+
+
+def marked(time_of_an_action: float) -> Record:
+    """The record of the first pair with a time that cannot have been measured."""
+    return {**run_job(PAIRS[0]).record, "compute_time_per_step": time_of_an_action}
+
+
+def first_time(folder: Path) -> float:
+    content = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    return float(content["evaluations"][0]["compute_time_per_step"])
+
+
+def test_finished_pair_is_reused_and_the_next_run_is_a_whole_one(
+    tmp_path: Path, expected: list[dict[str, Any]]
+) -> None:
+    JobStore(tmp_path / "pairs").keep(PAIRS[0], marked(123e-6))
+    output, error = run_here(tmp_path)
+    assert error == f"1 of {len(PAIRS)} pairs were finished by an interrupted run and are reused."
+    assert re.search(r"^ joint_pd .* 123 $", output, re.MULTILINE)
+    assert first_time(tmp_path) == 123e-6
+    assert outcome(tmp_path) == expected
+    _, error = run_here(tmp_path)
+    assert error == ""
+    assert first_time(tmp_path) != 123e-6
+
+
+def test_fresh_run_reuses_nothing(tmp_path: Path, expected: list[dict[str, Any]]) -> None:
+    JobStore(tmp_path / "pairs").keep(PAIRS[0], marked(123e-6))
+    _, error = run_here(tmp_path, "--fresh")
+    assert error == ""
+    assert first_time(tmp_path) != 123e-6
+    assert outcome(tmp_path) == expected
+
+
+def test_damaged_and_foreign_files_are_told_and_their_pairs_played_again(
+    tmp_path: Path, expected: list[dict[str, Any]]
+) -> None:
+    finished = JobStore(tmp_path / "pairs")
+    finished.keep(PAIRS[0], marked(123e-6))
+    (tmp_path / "pairs" / f"{PAIRS[1].name}.json").write_text('{"key": {"pa')
+    (tmp_path / "pairs" / f"{PAIRS[2].name}.json").write_text('{"evaluations": []}')
+    _, error = run_here(tmp_path)
+    assert error.startswith(f"1 of {len(PAIRS)} pairs")
+    assert error.endswith("Not reused, as damaged or of other settings or code: 2.")
+    assert outcome(tmp_path) == expected
+
+
+def test_changed_settings_reuse_nothing(tmp_path: Path) -> None:
+    JobStore(tmp_path / "pairs").keep(PAIRS[0], marked(123e-6))
+    _, error = run_here(tmp_path, "--seed", "6")
+    assert error.startswith(f"0 of {len(PAIRS)} pairs")
+    assert [row["seeds"][0] for row in outcome(tmp_path)] == [6] * len(PAIRS)
+
+
+@pytest.mark.parametrize(
+    "stop", [EpisodeError("step before reset"), KeyboardInterrupt()], ids=["error", "interrupt"]
+)
+def test_what_was_finished_before_a_failure_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected: list[dict[str, Any]], stop: BaseException
+) -> None:
+    played: list[EvaluationJob] = []
+
+    def play(pair: EvaluationJob) -> JobResult:
+        if len(played) == 2:
+            raise stop
+        played.append(pair)
+        return run_job(pair)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(run_jobs, "play_pair", play)
+        result = RUNNER.invoke(app, ["evaluate", "--jobs", "1", "--output", str(tmp_path), *OPTIONS])
+    assert result.exit_code != 0
+    assert {path.stem for path in (tmp_path / "pairs").iterdir()} == {pair.name for pair in played}
+    assert len(played) == 2
+    _, error = run_here(tmp_path)
+    assert error.startswith(f"2 of {len(PAIRS)} pairs")
+    assert outcome(tmp_path) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("source_digest", "0"), ("list_versions", {"numpy": "1"})], ids=["code", "versions"]
+)
+def test_workers_of_other_code_are_refused_and_nothing_of_theirs_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, value: Any
+) -> None:
+    monkeypatch.setattr(pairs, name, lambda: value)  # here alone: workers import their own
+    result = RUNNER.invoke(app, ["evaluate", "--jobs", "2", "--output", str(tmp_path), *OPTIONS])
+    assert isinstance(result.exception, InvalidValueError)
+    assert str(result.exception).startswith("code of a worker on ")
+    assert list(tmp_path.glob("**/*.json")) == []
+
+
+@pytest.mark.parametrize(("jobs", "told"), [(0, True), (1, False), (2, True)])
+def test_times_measured_on_a_busy_machine_are_told_to_be_so(tmp_path: Path, jobs: int, told: bool) -> None:
+    options = ("--env", IDS[0], "--baseline", LAWS[0], "--scenario", "report", "--jobs", str(jobs))
+    result = RUNNER.invoke(app, ["evaluate", "--output", str(tmp_path), *options])
+    assert result.exit_code == 0, result.output
+    assert ("law µs: measured beside other work" in result.stdout) == told

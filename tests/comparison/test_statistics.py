@@ -1,0 +1,149 @@
+"""Who is better: estimates, verdicts, families, on made-up scores."""
+
+import numpy as np
+import pytest
+
+from prp_gym.comparison.statistics import (
+    BEST_AGENT,
+    BEST_BUDGET_LAW,
+    BEST_LAW,
+    aggregate_tasks,
+    compare_best,
+    estimate_score,
+    training_spread,
+)
+from prp_gym.comparison.values import Entry, group_conditions
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation import bootstrap_crossed, bootstrap_interquartile_mean, bootstrap_tasks
+from prp_gym.evaluation.statistics import Estimate
+from tests.support.made_up_comparison import Array, agents, record
+
+EPISODES = np.linspace(0.3, 0.9, 20)  # hard and easy ones
+
+
+def pairwise(controller: Array, agent: Array) -> tuple[Estimate, bool, str, float]:
+    records = [
+        record("joint_pd", controller),
+        *agents("ppo_torque", agent),
+        record("zero", controller + 1.0, "zero"),
+    ]
+    (found,) = compare_best(group_conditions(records), 0)
+    assert (found.controller, found.agent) == ("joint_pd", "ppo_torque")
+    return found.difference, found.apart, found.verdict, found.probability
+
+
+def test_paired_difference_decides_where_the_intervals_overlap() -> None:
+    difference, apart, verdict, probability = pairwise(EPISODES, EPISODES[None] + [[0.01], [0.012]])
+    assert 0.0 < difference.low < difference.value < difference.high
+    assert (apart, verdict, probability) == (False, "agent", 1.0)
+
+
+def test_worse_agent_loses() -> None:
+    difference, apart, verdict, probability = pairwise(EPISODES, EPISODES[None] - [[0.3], [0.28]])
+    assert difference.high < 0.0
+    assert (apart, verdict, probability) == (True, "controller", 0.0)
+
+
+def test_difference_that_may_be_none_is_undecided() -> None:
+    change = np.where(np.arange(20) % 2, 0.05, -0.05)
+    difference, apart, verdict, probability = pairwise(EPISODES, (EPISODES + change)[None])
+    assert difference.low < 0.0 < difference.high
+    assert (apart, verdict, probability) == (False, "-", 0.5)
+
+
+def test_training_seeds_that_disagree_leave_it_undecided() -> None:
+    better_and_worse = np.stack([EPISODES + 0.05, EPISODES + 0.04, EPISODES - 0.2])
+    difference, _, verdict, probability = pairwise(EPISODES, better_and_worse)
+    assert difference.low < 0.0 < difference.high
+    assert verdict == "-"
+    assert probability == pytest.approx(2 / 3)
+
+
+def test_one_side_alone_is_no_duel_and_best_law_of_each_kind_meets_the_best_agent() -> None:
+    controllers = [record("joint_pd", EPISODES), record("adaptive", EPISODES + 0.05)]
+    assert compare_best(group_conditions(controllers), 0) == []
+    rivals = [record("joint_pd (budget)", EPISODES + 0.08, "budget"), *agents("a", EPISODES[None])]
+    rivals += agents("b", EPISODES[None] + 0.01)
+    found = compare_best(group_conditions([*controllers, *rivals]), 0)
+    assert [(pairwise.controller, pairwise.agent) for pairwise in found] == [
+        ("adaptive", "b"),
+        ("joint_pd (budget)", "b"),
+    ]
+
+
+def test_agents_are_resampled_over_training_seeds_and_laws_over_episodes() -> None:
+    scores = EPISODES[None] + [[0.0], [0.3]]
+    controller, agent = Entry.of([record("joint_pd", EPISODES)]), Entry.of(agents("a", scores))
+    rng = np.random.default_rng
+    assert estimate_score(controller, 3) == bootstrap_interquartile_mean(EPISODES, rng(3))
+    assert estimate_score(agent, 3) == bootstrap_crossed(scores, rng(3))
+
+
+def test_spread_is_over_training_seeds() -> None:
+    spread = training_spread(Entry.of(agents("a", np.array([[0.1] * 4, [0.5] * 4, [0.2] * 4]))))
+    assert (spread.median, spread.low, spread.high) == pytest.approx((0.2, 0.1, 0.5))
+
+
+def test_policies_that_met_other_episodes_are_refused() -> None:
+    records = [record("joint_pd", EPISODES), record("adaptive", EPISODES, seeds=list(range(1, 21)))]
+    with pytest.raises(InvalidValueError, match="evaluation seeds of adaptive"):
+        group_conditions(records)
+
+
+def test_records_of_a_group_are_one_policy_in_the_order_of_the_places() -> None:
+    conditions = group_conditions(
+        [record("joint_pd", EPISODES, scenario="realistic"), *agents("a", np.stack([EPISODES, EPISODES / 2]))]
+    )
+    assert [place.scenario for place in conditions] == ["realistic", "randomized"]
+    (agent,) = conditions[1].entries
+    assert agent.training_seeds == (0, 1)
+    np.testing.assert_array_equal(agent.scores, [EPISODES, EPISODES / 2])
+    assert agent.metrics["joint_rmse"].shape == (2, 20, 3)
+
+
+def test_families_are_the_best_of_each_kind_on_each_of_their_tasks() -> None:
+    first, second = "PRP-JointTracking-v0", "PRP-Adaptive-v0"
+    records = []
+    for environment_id, shift in ((first, 0.0), (second, -0.2)):
+        records += [
+            record(controller, EPISODES + shift, environment_id=environment_id)
+            for controller in ("joint_pd", "x")
+        ]
+        records[-1]["episodes"]["score"] = [[0.95 + shift]] * 20
+        records += agents("a", EPISODES[None] + shift, environment_id=environment_id)
+    records += agents("b", np.full((2, 20), 0.5), environment_id=first, mode="impedance")
+    records.append(record("x (budget)", EPISODES, "budget", second))
+    found = {item.family: item for item in aggregate_tasks(group_conditions(records), 0)}
+    assert list(found) == [BEST_LAW, BEST_AGENT, "agent, torque", "agent, impedance", BEST_BUDGET_LAW]
+    assert (found[BEST_LAW].tasks, found["agent, impedance"].tasks, found[BEST_BUDGET_LAW].tasks) == (2, 1, 1)
+    assert found[BEST_LAW].score.value == pytest.approx((0.95 + 0.75) / 2)
+    assert found["agent, impedance"].reference.value == pytest.approx(0.95)
+    assert found[BEST_BUDGET_LAW].reference.value == pytest.approx(0.75)
+    profile = found[BEST_LAW].profile
+    assert profile.value[profile.thresholds < 0.74].min() == 1.0
+    assert profile.value[(profile.thresholds > 0.76) & (profile.thresholds < 0.94)] == pytest.approx(0.5)
+
+
+def test_bootstrap_over_tasks_weighs_tasks_and_not_scores() -> None:
+    rng = np.random.default_rng(0)
+    scores = {"a": np.full((5, 30), 0.2), "b": np.full((1, 2), 0.8)}
+    assert bootstrap_tasks(scores, rng) == pytest.approx((0.5, 0.5, 0.5))
+
+
+def test_bootstrap_over_one_task_is_the_crossed_one() -> None:
+    scores = np.random.default_rng(1).uniform(size=(3, 12))
+    rng = np.random.default_rng
+    assert bootstrap_tasks({"a": scores}, rng(5)) == bootstrap_crossed(scores, rng(5))
+
+
+def test_interval_over_independent_tasks_is_narrower_by_the_root_of_their_number() -> None:
+    scores = np.random.default_rng(1).normal(size=(1, 100))
+    one = bootstrap_tasks({"a": scores}, np.random.default_rng(2))
+    three = bootstrap_tasks(dict.fromkeys("abc", scores), np.random.default_rng(2))
+    # three tasks: none is cut off; widths of percentile intervals of 2000 resamples vary by a few percent
+    assert (three.high - three.low) * np.sqrt(3.0) == pytest.approx(one.high - one.low, rel=0.15)
+
+
+def test_bootstrap_without_tasks_is_refused() -> None:
+    with pytest.raises(InvalidValueError, match="number of tasks"):
+        bootstrap_tasks({}, np.random.default_rng(0))

@@ -1,0 +1,122 @@
+"""What the tables of a comparison say, and that they fit."""
+
+import io
+
+import numpy as np
+import pytest
+from rich.console import Console
+from rich.table import Table
+
+from prp_gym.comparison.outcome import Outcome
+from prp_gym.comparison.table import (
+    aggregate_table,
+    audit_table,
+    condition_table,
+    effort_table,
+    fold,
+    pairwise_table,
+    spread_table,
+)
+from tests.support.made_up_comparison import agents, learning, record
+
+WIDTH = 120
+LONG = "operational_inverse_dynamics"
+ID = "PRP-JointRegulation-v0"
+SCORES = np.linspace(0.5, 0.9, 9)
+
+
+def printed(table: Table) -> str:
+    target = io.StringIO()
+    Console(file=target, width=WIDTH, color_system=None).print(table)
+    text = target.getvalue()
+    assert "…" not in text
+    return text
+
+
+def cells(table: Table, name: str) -> list[str]:
+    """Words of the only line that has a name."""
+    (line,) = (line for line in printed(table).splitlines() if name in line)
+    return line.split()
+
+
+@pytest.fixture
+def outcome() -> Outcome:
+    """A place of names as long as they come, whose metrics are those of joint regulation."""
+    records = [
+        record("joint_pd", SCORES),
+        record(f"{LONG} (budget)", SCORES + 0.05, "budget", history=learning([0.2, 0.3])),
+        *agents(
+            f"recurrent_ppo_residual-{LONG}",
+            SCORES[None] - [[0.2], [0.1], [0.3]],
+            mode=f"residual:{LONG}",
+            history=learning([0.2, 0.9], steps=[10**5, 2 * 10**6]),
+        ),
+    ]
+    for item in records:
+        item["environment"] = ID
+        item["episodes"]["settling_time"] = [[1.0]] * 8 + [["inf"]]
+        item["episodes"]["steady_state_error"] = [[0.01, 0.0, 0.0]] * 9
+    return Outcome.of(records, 0)
+
+
+def test_place_has_a_line_a_policy_best_first(outcome: Outcome) -> None:
+    lines = printed(condition_table(outcome.conditions[0], 0)).splitlines()
+    assert lines[0].strip() == f"{ID}, scenario randomized"
+    rows = [line.split()[:2] for line in lines if any(f" 0.{score} " in line for score in (750, 700, 500))]
+    assert rows == [["(budget)", "0.750"], ["joint_pd", "0.700"], [LONG, "0.500"]]
+
+
+def test_median_is_over_training_seeds_and_episodes() -> None:
+    made = agents("a", np.array([[0.9, 0.8], [0.1, 0.2]]))
+    line = cells(condition_table(Outcome.of(made, 0).conditions[0], 0), " a ")
+    assert line[0] == "a"
+    # errors of joint 1: 0.01, 0.02, 0.09, 0.08 rad, median 50 mrad; joint 2 half, joint 3 twice of it
+    assert line[3:6] == ["50", "25", "100"]
+
+
+def test_duel_is_two_lines(outcome: Outcome) -> None:
+    lines = printed(pairwise_table(outcome.pairwise_comparisons)).splitlines()
+    (controller,) = (line.split() for line in lines if "(budget)" in line)
+    (agent,) = (line.split() for line in lines if " -0.250" in line)
+    assert controller[:3] == ["JointRegulation", "(budget)", "0.750"]
+    assert (agent[-8], agent[-6]) == ("0.500", "-0.250")
+    assert agent[-3:] == ["0.00", "yes", "controller"]
+
+
+def test_spread_tells_median_and_range(outcome: Outcome) -> None:
+    assert cells(spread_table(outcome.conditions), "0.600")[-3:] == ["3", "0.500", "0.400-0.600"]
+
+
+def test_effort_tells_never_and_large_numbers(outcome: Outcome) -> None:
+    table = printed(effort_table(outcome.efforts))
+    (never,) = (line for line in table.splitlines() if "never" in line)
+    (reached,) = (line for line in table.splitlines() if "3 of 3" in line)
+    assert " ".join(never.split()[-10:]) == "0.750 0.300 0 of 1 never never never 40 2"
+    assert " ".join(reached.split()[-13:]) == "0.750 0.900 3 of 3 2 M 40 k 0.333 40 k 2"
+
+
+def test_aggregate_tells_the_law_on_the_same_tasks(outcome: Outcome) -> None:
+    line = cells(aggregate_table(outcome.aggregates), "best equal-budget law")
+    assert (line[-4:-2], line[-1]) == (["1", "0.750"], "0.700")
+
+
+def test_audit_is_flagged_below_the_least_correlation() -> None:
+    good = [record(name, [score]) for name, score in (("a", 0.9), ("b", 0.8), ("c", 0.2))]
+    row = cells(audit_table(Outcome.of(good, 0).audits), "joint_mean_error")
+    assert row[-4:] == ["3", "1.00", "1.00", "1.00"]  # of one episode the interval is the point
+    good[0]["episodes"]["joint_mean_error"] = [[9.0, 9.0, 9.0]]
+    row = cells(audit_table(Outcome.of(good, 0).audits), "joint_mean_error")
+    assert row[-5:] == ["3", "-0.50", "-0.50", "-0.50", "!"]
+
+
+def test_varied_policies_are_in_the_audit_alone() -> None:
+    records = [record("a", [0.5]), record("a (report)", [0.4], "varied"), record("b", [0.3])]
+    outcome = Outcome.of(records, 0)
+    assert "(report)" not in printed(condition_table(outcome.conditions[0], 0))
+    assert cells(audit_table(outcome.audits), "joint_mean_error")[-4] == "3"
+
+
+def test_long_name_is_broken_where_it_may() -> None:
+    assert fold("joint_pd") == "joint_pd"
+    assert fold(f"{LONG} (budget)") == f"{LONG}\n(budget)"
+    assert fold("a" * 30 + "_b", 28) == "a" * 28 + "\naa_b"

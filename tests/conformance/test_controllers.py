@@ -1,0 +1,120 @@
+"""Every law on every environment where it can run: at once as one by one, restarts, SB3's evaluator."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from stable_baselines3.common.evaluation import evaluate_policy
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import DummyVecEnv
+
+from prp_gym.baselines import make_baseline
+from prp_gym.evaluation import evaluate
+from tests.support.controller_episodes import PAIRS, Array, make, observed_episodes
+
+EPISODES, STEPS = 4, 20
+# products of matrices and least squares may round differently one by one: some dozen operations of 1e-16
+ROUNDING = 1e-12
+
+everywhere = pytest.mark.parametrize(("environment_id", "controller"), PAIRS, ids=map("-".join, PAIRS))
+
+
+def assert_near(found: Array, expected: Array, scale: Array, rounding: float = ROUNDING) -> None:
+    """Equal to rounding of each component, or of numbers of its size over the episodes where it cancels."""
+    for component in range(expected.shape[-1]):
+        atol = rounding * np.abs(scale[..., component]).max()
+        np.testing.assert_allclose(found[..., component], expected[..., component], ROUNDING, atol)
+
+
+@everywhere
+def test_episodes_side_by_side_are_controlled_as_each_on_its_own(
+    environment_id: str, controller: str
+) -> None:
+    policy, episodes = observed_episodes(environment_id, controller, EPISODES, STEPS)
+    split = policy.interface.layout.split
+    state, torques, states = policy.initial_state(split(episodes[0])), [], []
+    for observation in episodes:
+        torque, state = policy.control(split(observation), state)
+        torques.append(torque)
+        states.append(state)
+    scale = np.array(torques)
+    assert np.ptp(scale, axis=(0, 1)).min() > 0.0  # the episodes differ
+    # J_A⁺ makes more of the roundings where the arm is nearly singular
+    rounding = 10.0 * ROUNDING if "end_effector_pose" in policy.measured_fields else ROUNDING
+    for row in range(EPISODES):
+        own = policy.initial_state(split(episodes[0, row]))
+        for index, observation in enumerate(episodes[:, row]):
+            torque, own = policy.control(split(observation), own)
+            assert_near(torque, scale[index, row], scale, rounding)
+            for alone, together in zip(own, states[index], strict=True):
+                assert_near(alone, together[row], together)
+
+
+@everywhere
+def test_state_starts_anew_only_where_an_episode_starts(environment_id: str, controller: str) -> None:
+    policy, episodes = observed_episodes(environment_id, controller, EPISODES, STEPS)
+    before, after = episodes[:10, :3], episodes[10:, :3]
+    state: Any = None
+    for observation in before:
+        _, state = policy.predict(observation, state, np.zeros(3, dtype=np.bool_))
+    going, mixed, fresh = state, state, None
+    restart = np.array([False, True, False])
+    begun = policy.initial_state(policy.interface.layout.split(after[0]))
+    remembers = any((old != new)[1].any() for old, new in zip(state or (), begun, strict=True))
+    for index, observation in enumerate(after):
+        flags = restart if index == 0 else np.zeros(3, dtype=np.bool_)
+        kept, going = policy.predict(observation, going, np.zeros(3, dtype=np.bool_))
+        action, mixed = policy.predict(observation, mixed, flags)
+        new, fresh = policy.predict(observation, fresh, None)
+        np.testing.assert_array_equal(action, np.where(restart[:, None], new, kept))
+        for part, old, anew in zip(mixed or (), going or (), fresh or (), strict=True):
+            np.testing.assert_array_equal(part, np.where(restart[:, None], anew, old))
+        if remembers and index == 0:  # to start anew makes a difference
+            assert any((old != anew)[1].any() for old, anew in zip(going or (), fresh or (), strict=True))
+    # a force law off the surface has nothing to remember yet
+    assert remembers == (state is not None) or controller == "parallel_force_position"
+
+
+def returns_in_a_row(env: Any, policy: Any, seed: int) -> list[float]:
+    """Returns of an episode with a seed, and of the one after it, which goes on with the env's generator."""
+    returns = []
+    for own in (seed, None):
+        observation, _ = env.reset(seed=own)
+        state, start, truncated, total = None, np.array([True]), False, 0.0
+        while not truncated:
+            action, state = policy.predict(observation, state, start)
+            observation, reward, terminated, truncated, _ = env.step(action)
+            start, total = np.array([False]), total + reward
+            assert not terminated
+        returns.append(total)
+    return returns
+
+
+@everywhere
+def test_evaluator_of_stable_baselines_plays_the_same_episodes(environment_id: str, controller: str) -> None:
+    """`VecEnv.seed(s)` seeds the first reset of the i-th environment with s + i; later resets go on from it.
+
+    A single environment is put into a vector of one by the evaluator, which seeds nothing: the generator of
+    an environment that was reset with a seed goes on.
+    """
+    single = partial(make, environment_id, scenario="randomized", duration=0.05)
+    env = single()
+    policy: Any = make_baseline(controller, env)
+    played = np.array([returns_in_a_row(env, policy, seed) for seed in (11, 12, 13)])
+    ours = [rollout.reward.sum() for rollout in evaluate(policy, env, episodes=3, seed=11).rollouts]
+    np.testing.assert_allclose(played[:, 0], ours, rtol=1e-14)  # sums in another order
+    vector = DummyVecEnv([single] * 3)
+    vector.seed(11)
+    returns, lengths = evaluate_policy(policy, vector, 6, return_episode_rewards=True, warn=False)
+    assert lengths == [25] * 6
+    # rewards are float32 in a DummyVecEnv: 25 of at most 2e-3 s, each rounded to 6e-8 of itself
+    np.testing.assert_allclose(returns, played.T.ravel(), rtol=0, atol=1e-8)
+    monitored = Monitor(single())
+    monitored.reset(seed=11)
+    state = monitored.unwrapped.np_random.bit_generator.state
+    mean, _ = evaluate_policy(policy, monitored, n_eval_episodes=1)
+    monitored.unwrapped.np_random.bit_generator.state = state
+    again, _ = evaluate_policy(policy, monitored, n_eval_episodes=1)
+    assert mean == again == pytest.approx(played[0, 1], abs=1e-6)  # Monitor rounds to 1e-6
+    env.close()

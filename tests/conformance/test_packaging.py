@@ -1,0 +1,102 @@
+"""What is installed is what is tracked, under the right names."""
+
+import importlib.util
+import subprocess
+import sys
+import zipfile
+from pathlib import Path, PurePosixPath
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+MAPPED = ("envs", "baselines", "agents")
+DATA_SUFFIXES = {".py", ".toml", ".typed", ".yml", ".json", ".safetensors"}
+
+
+def tracked_files() -> list[PurePosixPath]:
+    """Files that git tracks, symbolic links included."""
+    listing = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+    return [PurePosixPath(line) for line in listing.stdout.splitlines()]
+
+
+def expected_modules() -> set[str]:
+    """Where every tracked file of the package lies in a wheel."""
+    expected = set()
+    for path in tracked_files():
+        if path.suffix not in DATA_SUFFIXES or path.parts[0] not in {"prp_gym", *MAPPED}:
+            continue
+        prefix = PurePosixPath("prp_gym") if path.parts[0] in MAPPED else PurePosixPath()
+        expected.add(str(prefix / path))
+    return expected
+
+
+@pytest.fixture(scope="module")
+def wheels(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
+    """Contents of a wheel built from the tree, and of one built from its sdist."""
+    copy = tmp_path_factory.mktemp("tree")
+    for path in tracked_files():
+        source, target = ROOT / path, copy / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if source.is_symlink():
+            target.symlink_to(source.readlink())
+        elif source.exists():
+            target.write_bytes(source.read_bytes())
+    direct, through_sdist = tmp_path_factory.mktemp("direct"), tmp_path_factory.mktemp("sdist")
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir"]
+    subprocess.run([*build, str(direct), "--wheel", str(copy)], check=True, capture_output=True)
+    subprocess.run([*build, str(through_sdist), str(copy)], check=True, capture_output=True)
+    return {"tree": _contents(direct), "sdist": _contents(through_sdist)}
+
+
+def _contents(folder: Path) -> set[str]:
+    (wheel,) = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        return {name for name in archive.namelist() if ".dist-info/" not in name}
+
+
+@pytest.mark.parametrize("origin", ["tree", "sdist"])
+def test_a_wheel_holds_exactly_the_tracked_files(wheels: dict[str, set[str]], origin: str) -> None:
+    assert wheels[origin] == expected_modules()
+
+
+@pytest.mark.parametrize("origin", ["tree", "sdist"])
+def test_a_wheel_claims_no_bare_name(wheels: dict[str, set[str]], origin: str) -> None:
+    assert {name.split("/")[0] for name in wheels[origin]} == {"prp_gym"}
+
+
+@pytest.mark.parametrize("name", MAPPED)
+def test_mapped_folders_are_links_in_the_package(name: str) -> None:
+    link = ROOT / "prp_gym" / name
+    assert link.is_symlink()
+    assert link.readlink() == Path("..") / name
+
+
+@pytest.mark.parametrize("name", MAPPED)
+def test_mapped_folders_are_importable_in_the_package_alone(name: str, tmp_path: Path) -> None:
+    assert importlib.util.find_spec(f"prp_gym.{name}") is not None
+    code = f"import importlib.util, sys; sys.exit(importlib.util.find_spec({name!r}) is not None)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=False).returncode == 0
+
+
+def test_every_sub_package_is_listed() -> None:
+    import tomllib
+
+    listed = set(tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"])
+    modules = {PurePosixPath(name) for name in expected_modules() if name.endswith(".py")}
+    folders = {str(path.parent).replace("/", ".") for path in modules}
+    assert listed == folders
+
+
+def test_constraints_pin_every_direct_dependency() -> None:
+    import re
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = [
+        *project["dependencies"],
+        *(d for extra in project["optional-dependencies"].values() for d in extra),
+    ]
+    names = {re.split(r"[\[<>=~! ]", item)[0].lower().replace("_", "-") for item in wanted} - {"prp-gym"}
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    pinned = {line.split("==")[0].lower().replace("_", "-") for line in lines if "==" in line}
+    assert names - pinned == set()

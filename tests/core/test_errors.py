@@ -1,0 +1,167 @@
+"""Every error is of one root, keeps its facts as attributes and says them in its message."""
+
+import pickle
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from prp_gym.errors import (
+    AgentFileError,
+    CheckpointError,
+    EpisodeError,
+    InvalidValueError,
+    JointLimitError,
+    MissingFieldError,
+    MissingPackageError,
+    NonFiniteError,
+    OutputError,
+    PRPError,
+    RenderingError,
+    RunFolderError,
+    ShapeError,
+    UnknownNameError,
+    UnreachableError,
+)
+
+PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
+NAMES = st.lists(st.text("abcdefgh_", min_size=3, max_size=12), min_size=1, max_size=6, unique=True)
+LAWS = ("joint_pd", "joint_inverse_dynamics", "impedance", "admittance")
+WITH_FACTS = [
+    UnknownNameError("controller", "impedence", LAWS),
+    InvalidValueError("duration", -1.0, "above 0", "s"),
+    ShapeError("action", (2,), "(3,)"),
+    NonFiniteError("action", [0.0, float("nan"), 0.0]),
+    JointLimitError("initial joint position", 2, 0.1, (-0.3, 0.0), "m"),
+    UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
+    CheckpointError("checkpoint-000000000512", "the checksum of tensors.pt does not match"),
+    RunFolderError("runs/seed_0", "it holds an unfinished run"),
+    MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
+    AgentFileError("agent.json", "is not a JSON file"),
+    OutputError("results", "read-only file system"),
+    MissingPackageError("ray", "ray"),
+]
+WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")]
+EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
+
+
+def class_name(error: object) -> str:
+    return type(error).__name__
+
+
+def every_class(root: type[PRPError] = PRPError) -> Iterator[type[PRPError]]:
+    """The classes of this package below the root."""
+    for item in root.__subclasses__():
+        if item.__module__.startswith("prp_gym."):
+            yield item
+        yield from every_class(item)
+
+
+def test_examples_cover_every_class_of_the_module() -> None:
+    here = {item for item in every_class() if item.__module__ == "prp_gym.errors"}
+    assert {type(error) for error in EXAMPLES} == here
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=class_name)
+def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
+    assert isinstance(error, PRPError)
+    of_a_state = (
+        CheckpointError | EpisodeError | MissingPackageError | OutputError | RenderingError | RunFolderError
+    )
+    assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
+
+
+@pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)
+def test_message_tells_every_fact(error: PRPError) -> None:
+    message = str(error)
+    for name, fact in vars(error).items():
+        parts = fact if isinstance(fact, tuple) and name != "shape" else (fact,)
+        for part in parts:
+            shown = f"{part:.6g}" if isinstance(part, float) else str(part)
+            assert shown in message, name
+
+
+def test_unknown_name_suggests_the_nearest_and_lists_all_in_order() -> None:
+    error = UnknownNameError("controller", "impedence", iter(LAWS))
+    assert str(error) == (
+        "unknown law 'impedence'. Did you mean 'impedance'?"
+        " Valid: admittance, impedance, joint_inverse_dynamics, joint_pd."
+    )
+    assert (error.kind, error.name, error.valid) == ("controller", "impedence", tuple(sorted(LAWS)))
+
+
+def test_unknown_name_far_from_all_gets_no_suggestion() -> None:
+    message = str(UnknownNameError("controller", "zzz", LAWS))
+    assert "Did you mean" not in message
+    assert "joint_pd" in message
+
+
+@pytest.mark.parametrize("name", [None, 3, ("a", "b")])
+def test_unknown_name_may_be_anything(name: object) -> None:
+    assert repr(name) in str(UnknownNameError("controller", name, LAWS))
+
+
+def test_unknown_name_says_when_nothing_is_valid() -> None:
+    assert str(UnknownNameError("scenario", "x", ())) == "unknown scenario 'x'. Valid: none."
+
+
+@PROPERTY
+@given(names=NAMES, data=st.data())
+def test_name_with_a_letter_too_many_gets_a_valid_one_suggested(
+    names: list[str], data: st.DataObject
+) -> None:
+    meant = data.draw(st.sampled_from(names))
+    message = str(UnknownNameError("name", meant + "z", names))
+    assert any(f"Did you mean {candidate!r}?" in message for candidate in names)
+
+
+def test_invalid_value_shows_value_unit_and_what_is_allowed() -> None:
+    assert str(InvalidValueError("duration", -1.0, "above 0", "s")) == "duration is -1.0 s; allowed: above 0."
+    assert str(InvalidValueError("seed", "a", "an integer")) == "seed is 'a'; allowed: an integer."
+
+
+def test_wrong_shape_shows_both_shapes() -> None:
+    error = ShapeError("action", [2, 4], "(..., 3)")
+    assert error.shape == (2, 4)
+    assert str(error) == "action has shape (2, 4); expected (..., 3)."
+
+
+def test_joint_limit_shows_joint_value_and_range() -> None:
+    error = JointLimitError("goal", 2, 0.1, (-0.3, 0.0), "m")
+    assert str(error) == "goal: joint 2 is 0.1 m; allowed: -0.3 to 0 m."
+
+
+def test_unreachable_point_shows_point_residual_and_reasons() -> None:
+    error = UnreachableError([0.1, 0.0, 0.15], 0.25, ["first", "second"])
+    assert error.position == (0.1, 0.0, 0.15)
+    assert error.broken == ("first", "second")
+    assert "(0.1, 0, 0.15) m in the world frame" in str(error)
+    assert "misses it by 0.25 m; broken: first; second." in str(error)
+
+
+def test_missing_field_shows_law_missing_and_given_fields() -> None:
+    error = MissingFieldError("impedance", ["contact_force"], ["joint_position"])
+    assert str(error) == (
+        "law 'impedance' reads observation fields that this environment does not give: contact_force."
+        " Fields given: joint_position."
+    )
+
+
+def test_missing_package_shows_the_command_that_installs_it() -> None:
+    assert str(MissingPackageError("stable_baselines3", "agents")) == (
+        "stable_baselines3 is not installed; install it with: pip install 'prp-gym[agents]'"
+    )
+
+
+@pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)
+def test_error_survives_the_way_between_processes(error: PRPError) -> None:
+    back = pickle.loads(pickle.dumps(error))
+    assert str(back) == str(error)
+    assert repr(vars(back)) == repr(vars(error))
+
+
+@pytest.mark.parametrize("error", WITHOUT_FACTS, ids=class_name)
+def test_error_without_facts_survives_the_way_between_processes(error: PRPError) -> None:
+    back = pickle.loads(pickle.dumps(error))
+    assert (type(back), str(back)) == (type(error), str(error))

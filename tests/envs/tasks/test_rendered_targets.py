@@ -1,0 +1,225 @@
+"""What a task asks the arm to behave like: told to the laws, and rendered by them with our gains only."""
+
+from contextlib import closing
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.wrappers import TimeLimit
+
+import prp_gym
+from prp_gym.baselines import BASELINES, ControlInterface, list_baselines, make_baseline
+from prp_gym.baselines.gains import gain_sets, load_gains
+from prp_gym.baselines.registry import TASK_RENDERING
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array
+from tests.support.controller_episodes import PAIRS, make
+
+COMPLIANCE, IMPEDANCE, ADMITTANCE = "PRP-Compliance-v0", "PRP-Impedance-v0", "PRP-Admittance-v0"
+RENDERING = (COMPLIANCE, IMPEDANCE, ADMITTANCE)
+AXES: dict[str, Array] = {
+    "inertia": np.array([1.1, 1.2, 1.3, 1.4, 1.5, 1.6]),
+    "damping": np.array([21.0, 22.0, 23.0, 24.0, 25.0, 26.0]),
+    "stiffness": np.array([31.0, 32.0, 33.0, 34.0, 35.0, 36.0]),
+}
+TAKEN = {
+    "compliance": ("stiffness",),
+    "impedance": ("inertia", "damping", "stiffness"),
+    "admittance": ("inertia", "damping", "stiffness"),
+}
+RATE = {"tuned": 500, "tuned_50hz": 50}
+ASKING = [
+    (controller, environment_id)
+    for environment_id, controller in PAIRS
+    if controller in TAKEN and environment_id in RENDERING
+]
+
+
+def names_of(environment_id: str) -> tuple[str, ...]:
+    """What a task asks for; a spring's own motion needs no inertia or damping."""
+    return ("stiffness",) if environment_id == COMPLIANCE else tuple(AXES)
+
+
+def keywords_of(environment_id: str) -> dict[str, Any]:
+    return {f"target_{name}": AXES[name].tolist() for name in names_of(environment_id)}
+
+
+def settings_of(controller: str, environment_id: str, gains: str, rate: int = 500, **overrides: Any) -> Any:
+    """Settings of a law on a task whose target keywords are `AXES`."""
+    with closing(make(environment_id, control_frequency=rate, **keywords_of(environment_id))) as env:
+        return make_baseline(controller, env, gains, **overrides).settings
+
+
+@pytest.mark.parametrize("environment_id", prp_gym.list_envs())
+def test_tasks_that_render_ask_for_their_target_and_others_for_nothing(environment_id: str) -> None:
+    with closing(make(environment_id)) as env:
+        target_impedance = ControlInterface.of(TimeLimit(env, max_episode_steps=5)).target_impedance
+        own = env.unwrapped.task.numbers.constants.get("target", {})
+    assert tuple(target_impedance) == (names_of(environment_id) if environment_id in RENDERING else ())
+    for name, value in target_impedance.items():
+        np.testing.assert_array_equal(value, own[name])
+
+
+@pytest.mark.parametrize("environment_id", RENDERING)
+def test_target_keywords_are_what_the_task_asks_for(environment_id: str) -> None:
+    with closing(make(environment_id, **keywords_of(environment_id))) as env:
+        target_impedance = ControlInterface.of(env).target_impedance
+    assert tuple(target_impedance) == names_of(environment_id)
+    for name, value in target_impedance.items():
+        np.testing.assert_array_equal(value, AXES[name])
+
+
+def test_laws_that_render_say_what() -> None:
+    assert {
+        name: controller.rendered for name, controller in BASELINES.items() if controller.rendered
+    } == TAKEN
+    for name, controller in BASELINES.items():
+        assert set(controller.rendered) <= set(controller.settings_class.vectors)
+        assert set(TASK_RENDERING.get(name, ())) <= set(gain_sets(name))
+    assert set(TASK_RENDERING) == set(TAKEN)
+
+
+RENDERED = [
+    (controller, place, gains) for controller, place in ASKING for gains in TASK_RENDERING[controller]
+]
+
+
+@pytest.mark.parametrize(("controller", "environment_id", "gains"), RENDERED)
+def test_tuned_law_renders_what_the_task_asks_for(controller: str, environment_id: str, gains: str) -> None:
+    settings = settings_of(controller, environment_id, gains, RATE[gains])
+    numbers = load_gains(controller, gains, environment_id)
+    rendered = set(TAKEN[controller]) & set(names_of(environment_id))
+    assert rendered
+    for name in settings.vectors:
+        expected = AXES[name] if name in rendered else np.broadcast_to(numbers[name], 6)
+        np.testing.assert_array_equal(getattr(settings, name), expected, err_msg=name)
+
+
+@pytest.mark.parametrize(("controller", "environment_id"), ASKING)
+def test_other_gain_sets_keep_their_own_numbers(controller: str, environment_id: str) -> None:
+    others = set(gain_sets(controller)) - set(TASK_RENDERING[controller])
+    assert "report" in others
+    for gains in others:
+        settings, numbers = (
+            settings_of(controller, environment_id, gains),
+            load_gains(controller, gains, environment_id),
+        )
+        for name in settings.vectors:
+            np.testing.assert_array_equal(getattr(settings, name), np.broadcast_to(numbers[name], 6))
+
+
+@pytest.mark.parametrize(("controller", "environment_id", "gains"), RENDERED)
+def test_overrides_win_over_what_the_task_asks_for(controller: str, environment_id: str, gains: str) -> None:
+    for name in TAKEN[controller]:
+        changed = settings_of(controller, environment_id, gains, RATE[gains], **{name: 7.0})
+        plain = settings_of(controller, environment_id, gains, RATE[gains])
+        for other in plain.vectors:
+            expected = np.full(6, 7.0) if other == name else getattr(plain, other)
+            np.testing.assert_array_equal(getattr(changed, other), expected)
+
+
+@pytest.mark.parametrize("environment_id", RENDERING)
+def test_laws_that_render_nothing_do_not_notice_the_target(environment_id: str) -> None:
+    with (
+        closing(make(environment_id)) as env,
+        closing(make(environment_id, **keywords_of(environment_id))) as other,
+    ):
+        for controller in set(list_baselines(env.unwrapped.observation_layout)) - set(TAKEN):
+            first, second = make_baseline(controller, env).settings, make_baseline(controller, other).settings
+            for name in first.vectors:
+                np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+@pytest.mark.parametrize("controller", TAKEN)
+def test_where_no_target_is_asked_for_the_set_s_own_numbers_hold(controller: str) -> None:
+    with closing(make("PRP-Force-v0")) as env:
+        settings, numbers = (
+            make_baseline(controller, env).settings,
+            load_gains(controller, "tuned", "PRP-Force-v0"),
+        )
+    for name in settings.vectors:
+        np.testing.assert_array_equal(getattr(settings, name), np.broadcast_to(numbers[name], 6))
+
+
+@pytest.mark.parametrize(
+    ("controller", "environment_id"),
+    [("impedance", IMPEDANCE), ("admittance", ADMITTANCE), ("compliance", COMPLIANCE)],
+)
+def test_law_that_renders_another_target_is_judged_better_than_one_that_does_not(
+    controller: str, environment_id: str
+) -> None:
+    """A target of three times the stiffness: the law that is told of it follows its model's pose."""
+    keywords: dict[str, Any] = {
+        "target_stiffness": [150.0, 150.0, 150.0, 50.0, 50.0, 50.0],
+        "surface_stiffness": 400.0,
+    }
+    env = gymnasium.make(environment_id, scenario="randomized", duration=3.0, **keywords)
+    told = make_baseline(controller, env)
+    own = load_gains(controller, "tuned", environment_id)["stiffness"]
+    untold = make_baseline(controller, env, stiffness=own)
+    scores = [float(prp_gym.evaluate(policy, env, episodes=3).score.value) for policy in (told, untold)]
+    assert 1.0 - scores[0] < 0.5 * (1.0 - scores[1])
+    env.close()
+
+
+LEAST = [
+    (controller, gains, float(numbers["minimum_frequency"]))
+    for controller in BASELINES
+    for gains in gain_sets(controller)
+    if "minimum_frequency" in (numbers := load_gains(controller, gains, ""))
+]
+SLOWER = {1000.0: 500, 500.0: 250, 100.0: 50, 50.0: 25}
+
+
+def home_of(controller: str) -> str:
+    """An environment on which a law can run."""
+    return next(environment_id for environment_id, other in PAIRS if other == controller)
+
+
+@pytest.mark.parametrize(("controller", "gains", "least"), LEAST)
+def test_set_is_refused_below_its_rate_and_taken_at_it(controller: str, gains: str, least: float) -> None:
+    with closing(make(home_of(controller), control_frequency=least)) as env:
+        assert make_baseline(controller, env, gains).name == controller
+    with closing(make(home_of(controller), control_frequency=SLOWER[least])) as env:
+        allowed = f"at least {least:g} with gains '{gains}' of law '{controller}'"
+        with pytest.raises(InvalidValueError, match=rf"control_frequency is .* Hz|{allowed}") as caught:
+            make_baseline(controller, env, gains)
+        assert allowed in caught.value.allowed
+        assert caught.value.value == SLOWER[least]
+
+
+@pytest.mark.parametrize(("controller", "gains", "least"), LEAST)
+def test_gains_of_one_s_own_are_free_to_choose_the_rate_if_they_are_complete(
+    controller: str, gains: str, least: float
+) -> None:
+    names = tuple(BASELINES[controller].settings_class.vectors)
+    with closing(make(home_of(controller), control_frequency=SLOWER[least])) as env:
+        made = make_baseline(controller, env, gains, **dict.fromkeys(names, 1.5))
+        for name in names:
+            np.testing.assert_array_equal(getattr(made.settings, name), 1.5)
+        for absent in names:
+            some = {name: 1.5 for name in names if name != absent}
+            with pytest.raises(InvalidValueError, match="control_frequency is"):
+                make_baseline(controller, env, gains, **some)
+
+
+FIFTY = {
+    "compliance": COMPLIANCE,
+    "impedance": IMPEDANCE,
+    "admittance": ADMITTANCE,
+    "force_inner_position": "PRP-Force-v0",
+    "parallel_force_position": "PRP-ForcePosition-v0",
+}
+
+
+@pytest.mark.parametrize("scenario", ["randomized", "realistic"])
+@pytest.mark.parametrize("controller", FIFTY)
+def test_gains_for_fifty_hertz_neither_diverge_nor_chatter_in_contact(controller: str, scenario: str) -> None:
+    with closing(
+        make(FIFTY[controller], control_frequency=50, scenario=scenario, surface_stiffness=1000.0)
+    ) as env:
+        policy = make_baseline(controller, env, "tuned_50hz")
+        median = prp_gym.evaluate(policy, env, episodes=4).median
+    assert median["divergence"] == 0.0
+    assert median["saturation"] < 5.0  # [%]: the bound of test_seams

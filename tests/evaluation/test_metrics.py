@@ -1,0 +1,189 @@
+"""Every declared metric on one made-up episode whose values are known beforehand."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from prp_gym.evaluation import METRICS, Metric, Rollout, episode_metrics
+from prp_gym.evaluation.metrics import GROUPS
+from tests.support.made_up_episodes import (
+    SAMPLES,
+    TIME,
+    Array,
+    joint_fields,
+    jump,
+    make_rollout,
+    pose,
+    reference,
+)
+
+STEPS = SAMPLES - 1
+
+
+def constant(*values: float) -> Array:
+    return np.tile(values, (SAMPLES, 1))
+
+
+def everything(joints: int = 3) -> Rollout:
+    """An episode with the fields of all tasks.
+
+    Joints and tip jump to their goals at the first sample, the tip over 0.5 m and 0.5 rad. It stays 7 mm
+    and 0.05 rad from the model. It presses with 3 N for a tenth of a second from 0.2 s on and with the
+    desired 2 N thereafter, but leaves the surface at 0.6 s for one sample; it always moves along the
+    force at 0.15 m/s, its reference at 0.05 m/s.
+    """
+    force = np.where(TIME < 0.195, 0.0, np.where(TIME < 0.295, 3.0, 2.0))
+    force[60] = 0.0
+    away = np.where(TIME < 0.005, 1.0, 0.0)[:, None]
+    desired = pose(constant(0.4, -0.3, 0.2), constant(0.5, 1.5))
+    offset = np.array([0.3, 0.0, -0.4, 0.4, -0.3, 0.0])
+    tip = desired - away * offset
+    fields = joint_fields(jump(1)[:, :joints], reference()[:, :joints]) | {
+        "end_effector_pose": tip,
+        "end_effector_velocity": constant(0.0, 0.15, 0.0, 9.0, 9.0, 9.0),
+        "desired_pose": desired,
+        "desired_velocity": constant(0.0, 0.05, 0.0, 0.0, 0.0, 0.0),
+        "model_pose": tip + np.array([0.002, -0.003, 0.006, 0.03, 0.04, 0.0]),
+        "contact_force": force[:, None] * np.array([0.0, 1.0, 0.0]),
+        "desired_force": constant(0.0, 2.0, 0.0),
+    }
+    plain = make_rollout(fields, joints)
+    return replace(plain, info={**plain.info, "cost_force_bound": (np.arange(STEPS) < 10).astype(float)})
+
+
+EXPECTED = {
+    "score": [0.6],
+    "divergence": [0.0],
+    "joint_rmse": [1.0 / np.sqrt(SAMPLES), 0.2 / np.sqrt(SAMPLES), 2.0 / np.sqrt(SAMPLES)],
+    "joint_mean_error": [1.0 / SAMPLES, 0.2 / SAMPLES, 2.0 / SAMPLES],
+    "joint_maximum_error": [1.0, 0.2, 2.0],
+    "settling_time": [0.01],
+    "overshoot": [0.0],
+    "steady_state_error": [0.0, 0.0, 0.0],
+    "position_rmse": [0.5 / np.sqrt(SAMPLES)],
+    "position_mean_error": [0.5 / SAMPLES],
+    "position_maximum_error": [0.5],
+    "orientation_rmse": [0.5 / np.sqrt(SAMPLES)],
+    "orientation_mean_error": [0.5 / SAMPLES],
+    "orientation_maximum_error": [0.5],
+    "position_settling_time": [0.01],
+    "position_overshoot": [0.0],
+    "position_steady_state_error": [0.0],
+    "model_position_rmse": [0.007],
+    "model_orientation_rmse": [0.05],
+    "model_position_mean_error": [0.007],
+    "model_orientation_mean_error": [0.05],
+    "model_maximum_error": [0.007],
+    "force_rmse": [np.sqrt((21 * 2.0**2 + 10 * 1.0**2) / SAMPLES)],
+    "force_mean_error": [(21 * 2.0 + 10 * 1.0) / SAMPLES],
+    "surface_mean_error": [0.5 / SAMPLES],  # the tip is off by (0.3, 0, -0.4) m, across the force along y
+    "steady_state_force_error": [0.0],
+    "force_settling_time": [0.61 - 0.2],
+    "force_overshoot": [50.0],
+    "peak_force": [3.0],
+    "contact_losses": [1.0],
+    "force_violation": [10.0],
+    # 0.1 m/s ahead of the reference against 10·3 N and 70·2 N for 0.01 s each, half of the last sample
+    "injected_energy": [0.1 * 0.01 * (30.0 + 140.0 - 1.0)],
+    "energy": [26.0],
+    "torque_rms": [10.0, 20.0, 3.0],
+    "torque_rate": [0.0, 0.0, 0.0],
+    "saturation": [50.0],
+    "joint_stop": [25.0 / 3.0],
+}
+
+JOINT_WISE = {name for name, values in EXPECTED.items() if len(values) == 3}
+
+
+def test_every_declared_metric_is_expected() -> None:
+    assert set(EXPECTED) == {metric.name for metric in METRICS}
+    assert len(EXPECTED) == len(METRICS) == sum(len(group) for group in GROUPS.values())
+
+
+@pytest.mark.parametrize("metric", METRICS, ids=lambda metric: metric.name)
+def test_declared_metric_of_a_known_episode(metric: Metric) -> None:
+    episode = everything()
+    values = metric.compute(episode)
+    assert values.shape == (len(metric.units),) == (metric.components(episode),)
+    # sums of a hundred numbers, the time a difference
+    np.testing.assert_allclose(values, EXPECTED[metric.name], rtol=1e-10, atol=1e-10)
+    np.testing.assert_array_equal(episode_metrics(episode)[metric.name], values)
+    assert metric.definition
+    assert metric.higher_is_better == (metric.name == "score")
+
+
+def test_robot_of_one_joint_has_one_number_a_joint_and_its_own_shares() -> None:
+    expected = {name: values[:1] for name, values in EXPECTED.items()}
+    expected |= {
+        "energy": [10.0],
+        "saturation": [50.0],
+        "joint_stop": [25.0],
+    }  # 10 N·m at 1 rad/s; of 1 joint
+    values = episode_metrics(everything(joints=1))
+    assert set(values) == set(expected)
+    for name in expected:
+        np.testing.assert_allclose(values[name], expected[name], rtol=1e-10, atol=1e-10, err_msg=name)
+
+
+@pytest.mark.parametrize("joints", [1, 3])
+def test_after_a_divergence_only_score_and_divergence_count(joints: int) -> None:
+    values = episode_metrics(replace(everything(joints), diverged=True))
+    np.testing.assert_array_equal(values.pop("divergence"), [100.0])
+    np.testing.assert_allclose(values.pop("score"), [0.6], rtol=1e-12)
+    assert len(values) == len(METRICS) - 2
+    for name, numbers in values.items():
+        np.testing.assert_array_equal(numbers, np.full(joints if name in JOINT_WISE else 1, np.nan))
+
+
+def test_score_counts_what_a_divergence_cut_off_as_nothing() -> None:
+    values = episode_metrics(replace(everything(), diverged=True, duration=4.0))
+    np.testing.assert_allclose(values["score"], [0.15], rtol=1e-12)
+
+
+ALWAYS = {"score", "divergence", "torque_rms", "torque_rate"}
+
+
+def test_metrics_exist_where_their_fields_and_cost_terms_exist() -> None:
+    bare = make_rollout({"any": np.zeros((SAMPLES, 1))})
+    assert set(episode_metrics(replace(bare, info={}))) == ALWAYS
+    assert set(episode_metrics(bare)) == ALWAYS | {"saturation", "joint_stop"}
+
+
+@pytest.mark.parametrize("metric", METRICS, ids=lambda metric: metric.name)
+def test_metric_reads_what_it_requires_and_is_absent_without_any_of_it(metric: Metric) -> None:
+    full = everything()
+    content: dict[str, Any] = {**full.fields, **full.info}
+    fields = {name: content[name] for name in metric.requires if name in full.fields}
+    info = {name: content[name] for name in metric.requires if name in full.info}
+    enough = replace(full, fields=fields, info=info)
+    np.testing.assert_allclose(episode_metrics(enough)[metric.name], EXPECTED[metric.name], atol=1e-10)
+    for missing in metric.requires:
+        less = replace(
+            full,
+            fields={name: values for name, values in full.fields.items() if name != missing},
+            info={name: values for name, values in full.info.items() if name != missing},
+        )
+        assert metric.name not in episode_metrics(less)
+
+
+def test_number_in_info_does_not_stand_in_for_the_field_of_the_same_name() -> None:
+    bare = make_rollout({"any": np.zeros((SAMPLES, 1))}, info={"contact_force": np.ones(STEPS)})
+    assert "peak_force" not in episode_metrics(bare)
+
+
+def test_episode_of_one_step_has_every_metric_but_the_torque_rate() -> None:
+    full = everything()
+    short = replace(
+        full,
+        **{name: getattr(full, name)[:1] for name in ("torque", "applied_torque", "reward", "compute_time")},
+        fields={name: values[:2] for name, values in full.fields.items()},
+        info={name: values[:1] for name, values in full.info.items()},
+        duration=full.period,
+    )
+    values = episode_metrics(short)
+    assert {name for name, numbers in values.items() if np.isnan(numbers).any()} == {"torque_rate"}
+    assert {name for name, numbers in values.items() if np.isinf(numbers).any()} == {"force_settling_time"}
+    np.testing.assert_allclose(values["position_rmse"], [np.sqrt(0.125)], rtol=1e-12)  # 0.5 m, then none
+    np.testing.assert_array_equal(values["peak_force"], [0.0])

@@ -1,0 +1,295 @@
+"""The table for the terminal: what a cell says, and that 120 columns hold all of it for every task."""
+
+import json
+from functools import cached_property
+from io import StringIO
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from rich.console import Console
+
+from prp_gym import list_envs
+from prp_gym.baselines import BASELINES, list_baselines, make_baseline
+from prp_gym.evaluation import METRICS, Evaluation, Rollout, evaluate
+from prp_gym.evaluation.results import describe_evaluation, to_plain
+from prp_gym.evaluation.table import COLUMNS, Row, evaluation_table
+from tests.support.made_up_episodes import Array, make_rollout
+
+WIDTH = 120
+LONGEST_LAW = "operational_inverse_dynamics"
+STEPS = np.ones((3, 1))  # two, and the reset
+
+
+def render(title: str, *rows: Row) -> list[str]:
+    console = Console(file=StringIO(), width=WIDTH, force_terminal=False, color_system=None)
+    console.print(evaluation_table(title, rows))
+    assert isinstance(console.file, StringIO)
+    return console.file.getvalue().splitlines()
+
+
+def joints(error: Any = (0.0, 0.0, 0.0)) -> dict[str, Array]:
+    """Two steps to a goal of (1 rad, -0.1 m, 1 rad), arrived at once but for given errors."""
+    goal = np.array([1.0, -0.1, 1.0])[: len(error)]
+    arrived = np.array([[0.0], [1.0], [1.0]])
+    return {
+        "joint_position": arrived * (goal - np.asarray(error)),
+        "joint_velocity": STEPS * np.ones(len(error)),
+        "desired_joint_position": STEPS * goal,
+    }
+
+
+def tip(error: Any = (0.003, 0.0, 0.0, 0.004, 0.0, 0.0)) -> dict[str, Array]:
+    """A tip that starts 0.1 m along x away from its goal and arrives at once but for an error."""
+    away = np.array([[-0.1], [0.0], [0.0]]) * np.eye(6)[0] - np.array([[0.0], [1.0], [1.0]]) * error
+    resting = {name: STEPS * np.zeros(6) for name in ("desired_pose", "desired_velocity")}
+    measured = {"joint_velocity": STEPS * np.ones(3), "end_effector_velocity": STEPS * 0.1 * np.ones(6)}
+    return {**resting, **measured, "end_effector_pose": away}
+
+
+PRESSING = {"contact_force": np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [0.0, 0.0, 0.0]])}
+MODEL = {"model_pose": tip()["end_effector_pose"] + np.array([0.0, 0.0, 0.02, 0.0, 0.005, 0.0])}
+KINDS: dict[str, dict[str, Array]] = {
+    "joint": joints(),
+    "link": joints([0.1]),
+    "pose": tip(),
+    "model": {**tip(), **PRESSING, **MODEL},
+    "force": {**tip(), **PRESSING, "desired_force": STEPS * np.array([0.0, 2.0, 0.0])},
+}
+"""Fields of an episode by kind of task."""
+
+
+def episode(seed: int = 0, fields: dict[str, Array] = KINDS["joint"], **changes: Any) -> Rollout:
+    count = fields["joint_velocity"].shape[-1]
+    info = {name: np.zeros(2) for name in ("cost_saturation", "cost_joint_stop", "cost_force_bound")}
+    torque = np.zeros((2, count))
+    content = {"seed": seed, "applied_torque": torque, "reward": np.full(2, 0.005), "info": info, **changes}
+    return make_rollout(fields, count, duration=0.02, compute_time=np.full(2, 42e-6), **content)
+
+
+def row_of(controller: str, evaluation: Evaluation) -> Row:
+    """A row that has been a file's text."""
+    return Row.of(
+        json.loads(json.dumps(to_plain(describe_evaluation(evaluation, controller, {})), allow_nan=False))
+    )
+
+
+def row(controller: str = LONGEST_LAW, **changes: Any) -> Row:
+    return row_of(controller, Evaluation([episode(seed, **changes) for seed in range(3)], 0))
+
+
+def split(*rows: Row) -> tuple[list[str], list[str]]:
+    """The lines above the rule, without the title, and those below it."""
+    lines = render("title", *rows)
+    rule = next(index for index, line in enumerate(lines) if "───" in line)
+    return lines[1:rule], [line for line in lines[rule + 1 :] if line.strip()]
+
+
+def body(*rows: Row) -> list[str]:
+    return split(*rows)[1]
+
+
+def cells(*rows: Row) -> list[str]:
+    """What stands between the interval and the law's time, in a single row."""
+    (line,) = body(*rows)
+    return line.split()[3:-1]
+
+
+def test_cells_of_a_joint_task_show_the_known_values() -> None:
+    (line,) = body(row(fields=joints([-0.012, 0.0034, 0.5]), applied_torque=np.full((2, 3), 50.0)))
+    # scores ½ in every episode; RMSE over three samples, the first with the whole step; the steady error
+    # is that of the last sample; the largest overshoot is joint 2's 3.4 of 100 mm; 3·50 W for 0.02 s
+    assert line.split() == [
+        LONGEST_LAW,
+        *("0.500", "0.500-0.500"),
+        *("577", "58", "707"),
+        *("-12", "3.4", "500"),
+        *("never", "3.4", "3", "0", "42"),
+    ]
+
+
+def test_cells_of_a_single_joint_show_one_number() -> None:
+    # RMSE of 1, 0.1 and 0.1 rad
+    assert cells(row(fields=joints([0.1]))) == ["583", "100", "never", "0", "0", "0"]
+    head = "\n".join(split(row(fields=joints([0.1])))[0])
+    assert "mrad" in head.split()
+    assert "mm" not in head.split()
+
+
+def test_cells_of_a_pose_task_show_the_known_values() -> None:
+    # RMSE of 100, 3 and 3 mm, of 0, 4 and 4 mrad; 3 mm beyond or before the goal, with a band of 2 mm
+    assert cells(row(fields=KINDS["pose"])) == ["58", "3.3", "3", "never", "0", "0", "0"]
+    beyond = tip((-0.001, 0.0, 0.0, 0.0, 0.0, 0.0))
+    assert cells(row(fields=beyond)) == ["58", "0", "1", "0.01", "1", "0", "0"]
+
+
+def test_cells_of_a_task_with_a_reference_model_show_the_known_values() -> None:
+    # 20 mm and 5 mrad from the model; 5 N once, then lost; (0.3 + 0.4) W, half a sample to either side
+    assert cells(row(fields=KINDS["model"])) == ["20", "5", "5", "1", "7", "0", "0"]
+
+
+def test_cells_of_a_force_task_show_the_known_values() -> None:
+    # force errors 2, -2 and 2 N; what stands before them is the orientation's RMSE
+    assert cells(row(fields=KINDS["force"])) == ["3.3", "2", "2", "never", "5", "1", "7", "0", "0"]
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (0.0, "0"),
+        (4e-6, "0"),
+        (5.7e-5, "0.06"),
+        (3.21e-3, "3.2"),
+        (-0.0123, "-12"),
+        (2.34, "2340"),
+        (9.9994, "9999"),
+        (-9.9994, "-9999"),
+        (9.9996, "1e4"),
+        (-2.3e4, "-2e7"),
+    ],
+)
+def test_errors_are_shown_in_thousandths_as_far_as_they_matter(value: float, shown: str) -> None:
+    (line,) = body(row(fields=joints([value, 0.0, 0.0])))
+    assert line.split()[6] == shown
+
+
+@pytest.mark.parametrize(("time", "shown"), [(3e-7, "0"), (7.6e-6, "8"), (1.2e-3, "1200"), (0.7, "7e5")])
+def test_time_of_a_law_is_shown_in_whole_microseconds(time: float, shown: str) -> None:
+    fast = make_rollout(joints(), duration=0.02, compute_time=np.full(2, time))
+    (line,) = body(row_of("controller", Evaluation([fast], 0)))
+    assert line.split()[-1] == shown
+
+
+def test_what_an_episode_does_not_have_is_a_dash() -> None:
+    moving = joints()
+    moving["desired_joint_position"][0, 0] = 0.5
+    # settling time and overshoot of a moving reference; the steady error is there
+    assert cells(row(fields=moving))[3:] == ["0", "0", "0", "-", "-", "0", "0"]
+    assert cells(row(diverged=True)) == ["-"] * 6
+
+
+def test_what_an_environment_does_not_have_is_no_column() -> None:
+    bare = {"joint_velocity": joints()["joint_velocity"]}
+    assert cells(row(fields=bare)) == ["0", "0"]
+    head = " ".join(split(row(fields=bare))[0]).split()
+    assert {"settle", "RMSE", "mm", "N"}.isdisjoint(head)
+
+
+def test_row_without_a_metric_of_another_row_has_a_dash() -> None:
+    lines = body(row("a"), row("b", fields={"joint_velocity": joints()["joint_velocity"]}))
+    assert lines[1].split()[3:] == ["-", "-", "-", "-", "0", "0", "42"]
+
+
+def test_columns_are_of_declared_metrics_and_as_wide() -> None:
+    units = {metric.name: metric.units for metric in METRICS}
+    for column in COLUMNS:
+        assert len(column.units) == len(units[column.metric])
+        assert column.unless in ("", *units)
+
+
+PREFIXES = {"m": 1e-3, "": 1.0}
+
+
+@pytest.mark.parametrize("column", COLUMNS, ids=lambda column: column.metric)
+def test_scale_of_a_column_leads_from_the_metrics_units_to_the_shown_ones(column: Any) -> None:
+    (metric,) = (metric for metric in METRICS if metric.name == column.metric)
+    for shown, own in zip(column.units, metric.units, strict=True):
+        assert shown.endswith(own)
+        assert column.scale * PREFIXES[shown.removesuffix(own)] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_single_episode_has_no_interval() -> None:
+    (line,) = body(row_of("controller", Evaluation([episode()], 0)))
+    assert "1 episode" in line
+
+
+def direct(controller: str, evaluation: Evaluation) -> Row:
+    """A row whose numbers were never written."""
+    count = len(evaluation.rollouts)
+    return Row(controller, count, evaluation.score, evaluation.median, evaluation.compute_time)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_table_of_records_read_back_is_that_of_the_evaluations(kind: str) -> None:
+    evaluations = {
+        "lame": Evaluation([episode(seed, KINDS[kind], diverged=True) for seed in range(3)], 0),
+        "fast": Evaluation([episode(seed, KINDS[kind]) for seed in range(3)], 0),
+        "once": Evaluation([episode(fields=KINDS[kind], reward=np.full(2, 1 / 300))], 0),
+    }
+    medians = np.concatenate([value for own in evaluations.values() for value in own.median.values()])
+    assert np.isnan(medians).any()
+    assert np.isinf(medians).any() or kind not in ("pose", "force")
+    shown = render("title", *(direct(*item) for item in evaluations.items()))
+    assert render("title", *(row_of(*item) for item in evaluations.items())) == shown
+
+
+def test_best_score_comes_first() -> None:
+    rows = [row(name, reward=np.full(2, worth)) for name, worth in (("b", 0.002), ("a", 0.009), ("c", 0.005))]
+    assert [line.split()[0] for line in body(*rows)] == ["a", "c", "b"]
+
+
+UNITS = {
+    "joint": ["mrad", "mm", "mrad", "mrad", "mm", "mrad", "s", "%", "J", "%", "µs"],
+    "link": ["mrad", "mrad", "s", "%", "J", "%", "µs"],
+    "pose": ["mm", "mrad", "mm", "s", "%", "J", "%", "µs"],
+    "model": ["mm", "mrad", "N", "1", "mJ", "J", "%", "µs"],
+    "force": ["mrad", "N", "N", "s", "N", "1", "mJ", "J", "%", "µs"],
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_title_and_every_unit_stand_above_the_numbers(kind: str) -> None:
+    assert render("PRP-Task-v0, scenario realistic", row())[0].strip() == "PRP-Task-v0, scenario realistic"
+    head, _ = split(row(fields=KINDS[kind]))
+    assert head[-1].split() == ["controller", "score", "interval", *UNITS[kind]]
+
+
+class Widest(Evaluation):
+    """An evaluation whose medians take as much room as there can be, signs included."""
+
+    @cached_property
+    def median(self) -> dict[str, Array]:
+        scales = {column.metric: column.scale for column in COLUMNS}
+        signs = {"steady_state_error": -1.0, "steady_state_force_error": -1.0}
+        return {
+            name: np.full_like(values[0], 9999.0 * signs.get(name, 1.0) / scales.get(name, 1.0))
+            for name, values in self.metrics.items()
+        } | {"saturation": np.array([100.0])}
+
+    @property
+    def compute_time(self) -> float:
+        return 0.009999
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nothing_is_cut_off_at_120_columns(kind: str) -> None:
+    episodes = [episode(seed, KINDS[kind]) for seed in range(3)]
+    lines = render("title", row_of(LONGEST_LAW, Widest(episodes, 0)), row("other", fields=KINDS[kind]))
+    assert max(len(line.rstrip()) for line in lines) <= WIDTH
+    assert not any("…" in line for line in lines)
+    (widest,) = (line.split() for line in lines if LONGEST_LAW in line)
+    plain = body(row(fields=KINDS[kind]))[0].split()
+    assert widest[:3] == plain[:3]
+    assert len(widest) == len(plain)
+    assert {number.removeprefix("-") for number in widest[3:]} == {"9999", "100"}
+
+
+def test_no_law_has_a_longer_name_than_the_table_was_tried_with() -> None:
+    assert max(map(len, BASELINES)) <= len(LONGEST_LAW)
+
+
+@pytest.mark.parametrize("scenario", ["report", "randomized"])
+@pytest.mark.parametrize("environment_id", list_envs())
+def test_table_of_real_evaluations_is_whole(environment_id: str, scenario: str) -> None:
+    env = gymnasium.make(environment_id, scenario=scenario, duration=0.4)
+    controllers = list_baselines(env.get_wrapper_attr("observation_layout"))
+    rows = [
+        row_of(controller, evaluate(make_baseline(controller, env), env, episodes=2))
+        for controller in controllers
+    ]
+    env.close()
+    lines = render(f"{environment_id}, scenario {scenario}", *rows)
+    assert not any("…" in line for line in lines)
+    for controller in controllers:
+        assert sum(controller in line for line in lines) == 1

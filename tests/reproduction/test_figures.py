@@ -1,0 +1,105 @@
+"""Figures of the reproduction: what goes into which axes, and into the data beside it."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from prp_gym.reproduction import FigureOutcome, Level, Panel, RecordedRun, Verdict, load_catalogue
+from prp_gym.reproduction.figures import COLORS, axes_of, draw, table
+from tests.support.hand_made_rollout import rollout_of
+
+CATALOGUE = load_catalogue()
+TIME = np.arange(5) * 0.1
+
+
+def played(name: str, scale: float, steps: int = 4) -> RecordedRun:
+    """A run whose joint i moves as scale (i + 1) t, towards 10 times that."""
+    position = np.outer(TIME[: steps + 1], [1.0, 2.0, 3.0]) * scale
+    torque = np.outer(np.arange(steps), [1.0, 10.0, 100.0])
+    rollout = rollout_of({"joint_position": position, "desired_joint_position": 10 * position}, torque)
+    return RecordedRun(replace(CATALOGUE.runs["pd"], name=name, label=f"run {name}"), rollout, {}, "hand")
+
+
+def outcome(*panels: Panel, until: float = 0.4, steps: int = 4) -> FigureOutcome:
+    """A figure of two runs, one check on joints 3 and 1."""
+    check = CATALOGUE.experiments[6].checks[0]
+    arguments = {"signal": "joint_position", "components": [2, 0]}
+    check = replace(check, name="both", measure=replace(check.measure, arguments=arguments))
+    numbers = np.array([7.0, 8.0])
+    experiment = replace(CATALOGUE.experiments[6], panels=panels, until=until, checks=(check,))
+    runs = {"a": played("a", 1.0), "b": played("b", -2.0, steps)}
+    return FigureOutcome(experiment, runs, (Verdict(check, numbers, numbers, numbers, numbers),))
+
+
+def test_each_component_has_its_axes_with_runs_and_reference() -> None:
+    panel = Panel("joint_position", (2, 0), ("a", "b"), reference="desired_joint_position")
+    third, first = axes_of(outcome(panel))
+    assert (third.symbol, third.unit, first.symbol, first.unit) == ("$q_3$", "rad", "$q_1$", "rad")
+    assert [curve.label for curve in third.curves] == ["run a", "run b"]
+    np.testing.assert_allclose(third.curves[0].values, 3.0 * TIME)
+    np.testing.assert_allclose(third.curves[1].values, -6.0 * TIME)
+    np.testing.assert_allclose(first.curves[1].values, -2.0 * TIME)
+    np.testing.assert_allclose(third.reference[0].values, 30.0 * TIME)  # the first run's
+    assert axes_of(outcome(Panel("torque", (1,), ("a",))))[0].reference == ()
+
+
+def test_predictions_stand_where_their_component_is_drawn() -> None:
+    panel = Panel("joint_position", (0, 1, 2), ("a",), predictions=("both",), levels=(Level(0.5, "wall"),))
+    first, second, third = axes_of(outcome(panel))
+    assert first.levels == (("wall", 0.5), ("predicted", 8.0))
+    assert second.levels == (("wall", 0.5),)
+    assert third.levels == (("wall", 0.5), ("predicted", 7.0))
+
+
+def test_curves_end_with_the_time_axis() -> None:
+    (axis,) = axes_of(outcome(Panel("joint_position", (0,), ("a",)), until=0.2))
+    np.testing.assert_allclose(axis.curves[0].time, [0.0, 0.1, 0.2])
+
+
+def test_table_leaves_cells_empty_where_a_curve_has_no_value() -> None:
+    panels = (Panel("joint_position", (1,), ("a", "b")), Panel("torque", (0,), ("a",)))
+    assert table(outcome(*panels, steps=2)).splitlines() == [
+        "time [s],joint_position_2 [m] run a,joint_position_2 [m] run b,torque_1 [N·m] run a",
+        "0,0,-0,0",
+        "0.1,0.2,-0.4,1",
+        "0.2,0.4,-0.8,2",
+        "0.3,0.6,,3",
+        "0.4,0.8,,",
+    ]
+
+
+@pytest.mark.parametrize("count", [1, 4])
+def test_picture_has_one_size_whatever_it_shows(count: int) -> None:
+    panels = [Panel("joint_position", (0,), ("a", "b"), limits=(-1.0, 1.0))] * count
+    with Image.open(io.BytesIO(draw(outcome(*panels)))) as frame:
+        assert frame.size == (1000, 700)
+
+
+def test_as_many_runs_as_there_are_colours_are_told_apart() -> None:
+    names = tuple("abcdefgh"[: len(COLORS)])
+    item = outcome(Panel("joint_position", (0,), names))
+    runs = {name: played(name, index - 1.5) for index, name in enumerate(names)}
+    full = replace(item, played=runs)
+    with Image.open(io.BytesIO(draw(full))) as frame:
+        pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
+    for color in COLORS:
+        rgb = [int(color[start : start + 2], 16) for start in (1, 3, 5)]
+        assert (np.abs(pixels - rgb) < 20).all(axis=-1).sum() > 300
+    assert len(table(full).splitlines()[0].split(",")) == 1 + len(COLORS)
+
+
+def test_runs_keep_their_colour_in_every_axes() -> None:
+    panels = (Panel("joint_position", (0,), ("a",)), Panel("joint_position", (0,), ("b",)))
+    with Image.open(io.BytesIO(draw(outcome(*panels)))) as frame:
+        pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
+    blue, orange = (
+        (np.abs(pixels - color) < 20).all(axis=-1)[:640]  # without the legend
+        for color in ([11, 95, 165], [209, 102, 31])
+    )
+    assert blue[:310].sum() > 500
+    assert blue[340:].sum() == 0
+    assert orange[340:].sum() > 500
+    assert orange[:310].sum() == 0

@@ -1,0 +1,77 @@
+"""What the tests of the contact tasks share: environments, their episodes, their surfaces."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+
+import prp_gym
+from prp_gym.envs import PRPEnv
+from prp_gym.envs.base.contact_task import ContactStart, ContactTask
+from prp_gym.envs.tasks.force_position import ReachWaypoints
+from prp_gym.robot import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks import Constant, QuinticWaypoints, Trajectory
+
+ARM = PRPArm()
+KOLMOGOROV = 1.95  # of sqrt(n) D, exceeded once in a thousand samples
+
+
+def environment(environment_id: str, **keywords: Any) -> PRPEnv:
+    env = gymnasium.make(environment_id, **keywords).unwrapped
+    assert isinstance(env, PRPEnv)
+    return env
+
+
+CONTACT_IDS = [
+    name for name in prp_gym.list_envs() if "contact_force" in environment(name).observation_layout.names
+]
+
+
+def task_of(environment_id: str, scenario: str = "randomized", **keywords: Any) -> ContactTask:
+    task = environment(environment_id, scenario=scenario, **keywords).task
+    assert isinstance(task, ContactTask)
+    return task
+
+
+def draw(task: ContactTask, seed: int, **options: Any) -> ContactStart:
+    given = {name: np.array(value, dtype=np.float64) for name, value in options.items()}
+    start = task.draw(np.random.default_rng(seed), given)
+    assert isinstance(start, ContactStart)
+    return start
+
+
+def ground_truth_of(env: PRPEnv) -> dict[str, Array]:
+    parts: dict[str, Array] = env.task.ground_truth_layout.split(env.ground_truth)
+    return parts
+
+
+def joint_targets(trajectory: Trajectory) -> Array:
+    """(K, 3) the joint positions through which a reference leads."""
+    if isinstance(trajectory, Constant):
+        return trajectory.position
+    assert isinstance(trajectory, (QuinticWaypoints, ReachWaypoints))
+    targets: Array = trajectory.sample(trajectory.times.T)[:, 0, :3]
+    return targets
+
+
+def joint_path(trajectory: Trajectory) -> Array:
+    """(100, 3) joint positions along a reference, over the longest episode's 5 s."""
+    path: Array = trajectory.sample(np.linspace(0.0, 5.0, 100)[:, None])[:, 0, :3]
+    return path
+
+
+def depth_of(start: ContactStart, joint_position: Array) -> Array:
+    """Depth (...) [m] of the tip below a start's surface, by forward kinematics along the normal."""
+    tip = ARM.forward_kinematics(joint_position)[..., :3]
+    depth: Array = start.surface.offset[0] - tip @ start.surface.normal[0]
+    return depth
+
+
+def assert_force(found: Array, expected: object, rtol: float = 3e-3, atol: float = 5e-3) -> None:
+    """A contact force [N] in motion, but for the 0.13 g that the solver adds to the tip.
+
+    Free links accelerate at some 20 m/s² under gravity and, in a surface, at force over the least mass of the
+    tip, 0.07 kg: 2e-3 of the force.
+    """
+    np.testing.assert_allclose(found, np.asarray(expected, dtype=np.float64), rtol=rtol, atol=atol)

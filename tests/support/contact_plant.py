@@ -1,0 +1,147 @@
+"""A plant for the tests of laws in contact, apart from the simulator: closed forms and one-sided springs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.baselines import Baseline, ControlInterface
+from prp_gym.robot import NOMINAL, PRPArm, RobotParameters
+from prp_gym.tasks.fields import (
+    CONTACT_FORCE,
+    DESIRED_FORCE,
+    MEASURED_FIELDS,
+    POSE_REFERENCE_FIELDS,
+    ObservationLayout,
+)
+
+Array = NDArray[np.float64]
+Reference = Callable[[float], tuple[Array, Array, Array]]
+
+STEP = 0.001  # [s]: of the semi-implicit Euler steps
+LIMIT = np.array([50.0, 100.0, 10.0])  # [N m, N, N m]
+LAYOUT = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE, *POSE_REFERENCE_FIELDS, DESIRED_FORCE))
+WITHOUT_DESIRED_FORCE = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE, *POSE_REFERENCE_FIELDS))
+
+
+def interface(
+    period: float = 0.002, limit: Array = LIMIT, layout: ObservationLayout = LAYOUT
+) -> ControlInterface:
+    return ControlInterface("PRP-Force-v0", layout, limit, period, PRPArm())
+
+
+def held(pose: Array) -> Reference:
+    """A reference at rest."""
+    return lambda _: (pose, np.zeros(pose.shape), np.zeros(pose.shape))
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """Elastic planes, one per simulation: the points with normal·p = offset, free where it is more.
+
+    Attributes:
+        stiffness: (n) [N/m].
+        normal: (n, 3), to the free side.
+        offset: (n) [m].
+        damping: (n) [N s/m].
+    """
+
+    stiffness: Array
+    normal: Array
+    offset: Array
+    damping: Array
+
+    @classmethod
+    def ahead(cls, tip: Array, into: Array, gap: Array, stiffness: Array, damping: float = 0.0) -> "Wall":
+        """Walls at a distance `gap` (n) from the tips (n, 3), in the directions `into` (n, 3)."""
+        offset = -np.sum(into * tip, axis=-1) - gap
+        return cls(stiffness, -into, offset, np.full(stiffness.shape, damping))
+
+    def force(self, tip: Array, velocity: Array) -> Array:
+        """By the tip on the wall (n, 3) [N]."""
+        depth = self.offset - np.sum(self.normal * tip, axis=-1)
+        rate = -np.sum(self.normal * velocity, axis=-1)
+        pressing = np.maximum(0.0, self.stiffness * depth + self.damping * rate) * (depth > 0.0)
+        force: Array = -self.normal * pressing[:, None]
+        return force
+
+
+@dataclass(frozen=True, eq=False)
+class Imperfection:
+    """What the nominal arm and an ideal force sensor do not have.
+
+    Attributes:
+        parameters: of the arm.
+        noise: standard deviation of every component of the measured force [N].
+        bias: (n, 3) of the measured force [N].
+        delay: periods by which torques come late.
+    """
+
+    parameters: RobotParameters = NOMINAL
+    noise: float = 0.0
+    bias: Array = field(default_factory=lambda: np.zeros(3))
+    delay: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What happened, once a period: time (t), true force by the tip, pose and joint position (t, n, ...).
+
+    Attributes:
+        time: (t) [s].
+        force: (t, n, 3) [N].
+        pose: (t, n, 6).
+        joint_position: (t, n, 3).
+        action: (t, n, 3).
+    """
+
+    time: Array
+    force: Array
+    pose: Array
+    joint_position: Array
+    action: Array
+    state: tuple[Array, ...]
+
+
+def simulate(
+    controller: Baseline[Any],
+    joint_position: Array,
+    wall: Wall,
+    desired_force: Array,
+    duration: float,
+    reference: Reference | None = None,
+    imperfection: Imperfection | None = None,
+) -> Recording:
+    """A law on n arms at once, from rest at `joint_position` (n, 3)."""
+    world = imperfection or Imperfection()
+    arm, generator = PRPArm(world.parameters), np.random.default_rng(5)
+    q, v = joint_position.copy(), np.zeros(joint_position.shape)
+    reference = reference or held(arm.forward_kinematics(q))
+    period, limit = controller.interface.period, controller.interface.torque_limit
+    state, records, queue = None, [], [arm.gravity_vector(q) / limit] * world.delay
+    for index in range(round(duration / period)):
+        pose, jacobian = arm.forward_kinematics(q), arm.analytical_jacobian(q)
+        rate = np.einsum("nij,nj->ni", jacobian, v)
+        force = wall.force(pose[:, :3], rate[:, :3])
+        sensed = force + world.bias + world.noise * generator.standard_normal(force.shape)
+        wanted = [np.broadcast_to(part, pose.shape) for part in reference(index * period)]
+        parts = [q, v, pose, rate, sensed, *wanted, desired_force]
+        observation = np.concatenate(parts[: len(controller.interface.layout.names)], axis=-1)
+        action, state = controller.predict(observation, state)
+        records.append((index * period, force, pose, q, action))
+        queue.append(action.astype(np.float64))
+        q, v = advance(arm, q, v, queue.pop(0) * limit, wall, round(period / STEP))
+    time, forces, poses, joints, actions = (np.array(column) for column in zip(*records, strict=True))
+    return Recording(time, forces, poses, joints, actions, state or ())
+
+
+def advance(arm: PRPArm, q: Array, v: Array, torque: Array, wall: Wall, steps: int) -> tuple[Array, Array]:
+    """The joints' positions and velocities (n, 3) some steps later under a held torque (n, 3)."""
+    for _ in range(steps):
+        velocity = np.einsum("nij,nj->ni", arm.analytical_jacobian(q)[:, :3], v)
+        force = wall.force(arm.forward_kinematics(q)[:, :3], velocity)
+        v = v + STEP * arm.forward_dynamics(q, v, torque, force)
+        q = q + STEP * v
+    return q, v

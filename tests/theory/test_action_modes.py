@@ -1,0 +1,225 @@
+"""A constant action shifts the closed loops' equilibria and responses as their closed forms say."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from prp_gym.action_modes import catalogue
+from prp_gym.baselines.gains import load_gains
+from prp_gym.envs import PRPEnv
+from prp_gym.robot import PRPArm
+from prp_gym.robot.arrays import Array
+from tests.support.control_interface import oracle_jacobian
+from tests.support.mode_episodes import made
+from tests.support.pinocchio_model import PinocchioArm
+
+IMPEDANCE = load_gains("impedance", "tuned", "PRP-Impedance-v0")
+M_D, K_D, K_P = (float(np.ravel(IMPEDANCE[name])[0]) for name in ("inertia", "damping", "stiffness"))
+FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
+INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
+TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
+DEPTH = 0.1  # [m] between their tips
+SURFACE = {"surface_normal": -INTO, "surface_offset": -0.34, "surface_damping": 5.0}  # through that of TOUCH
+FAR = {**SURFACE, "surface_offset": -5.0}
+
+
+def action_for(env: PRPEnv, **meant: Array) -> Array:
+    """The action whose fields mean the given values, and what is neutral elsewhere."""
+    parts = []
+    for field in env.action_fields:
+        bound, value = (
+            np.array(field.bound),
+            np.array(meant.get(field.name, np.ones(field.size) * field.factor)),
+        )
+        parts.append(np.log(value) / np.log(bound) if field.factor else value / bound)
+    return np.concatenate(parts)
+
+
+def steady(env: PRPEnv, action: Array, **options: Any) -> dict[str, Array]:
+    """What is true at the end of an episode with a constant action."""
+    env.reset(seed=0, options=options)
+    over = False
+    while not over:
+        *_, terminated, over, _ = env.step(action)
+        assert not terminated
+    parts: dict[str, Array] = env.task.ground_truth_layout.split(env.ground_truth)
+    return parts
+
+
+@pytest.mark.parametrize("mode", ["joint_position", "joint_inverse_dynamics"])
+def test_joints_settle_the_offset_beyond_the_reference(mode: str) -> None:
+    env = made("PRP-JointRegulation-v0", mode, control_frequency=20, duration=2.0)
+    offset, goal = np.array([0.2, -0.04, -0.15]), (0.4, -0.2, 0.3)
+    ground_truth = steady(
+        env, action_for(env, joint_offset=offset), joint_position=(0.3, -0.15, 0.2), goal=goal
+    )
+    # gravity is compensated where the arm is, so that nothing is left but what has not yet decayed: at least
+    # as exp(-28 t), ζω of the gains, for more than a second
+    np.testing.assert_allclose(ground_truth["joint_position"], goal + offset, atol=1e-8)
+
+
+def test_link_settles_the_offset_beyond_the_reference() -> None:
+    env = made("PRP-Adaptive-v0", "joint_position", scenario="report", control_frequency=20)
+    moved, given = (steady(env, np.array([share]))["joint_position"][0] for share in (0.5, 0.0))
+    # the reference moves on: both lag alike, but for what gravity and inertia make of 0.15 rad in between
+    assert moved - given == pytest.approx(0.15, abs=0.01)
+
+
+@pytest.mark.parametrize("mode", ["operational_position", "impedance", "admittance", "force_position"])
+def test_tip_settles_where_springs_towards_the_moved_pose_hold_each_other(mode: str) -> None:
+    regulated = mode == "operational_position"
+    name = "PRP-PoseRegulation-v0" if regulated else "PRP-Impedance-v0"
+    env = made(name, mode, scenario="report", control_frequency=20, duration=4.0)
+    offset = np.array([0.03, -0.02, 0.04, 0.1, -0.2])
+    offset *= 0.1 if mode == "force_position" else 1.0  # whose offsets are bounded by less
+    options = {"joint_position": TOUCH, "goal": DEEP} | ({} if regulated else FAR)
+    ground_truth = steady(env, action_for(env, pose_offset=offset), **options)
+    moved = PRPArm().forward_kinematics(np.array(DEEP)) + np.append(offset, 0.0)
+    jacobian = oracle_jacobian(PinocchioArm(), ground_truth["joint_position"])
+    weights = WEIGHTS[mode] * (moved - ground_truth["end_effector_pose"])
+    # of the springs' pull, ten or more, what has not decayed after 3 s, as exp(-5 t) at least
+    np.testing.assert_allclose(jacobian.T @ weights, 0.0, atol=1e-4 * np.abs(weights).max())
+    assert (
+        np.abs(moved - ground_truth["end_effector_pose"])[:5].max() > 1e-4
+    )  # three joints do not come all the way
+
+
+OPERATIONAL = load_gains("operational_pd", "tuned", "PRP-PoseRegulation-v0")
+WEIGHTS: dict[str, Array] = {
+    "operational_position": np.full(6, OPERATIONAL["proportional_gain"]),
+    "impedance": np.full(6, IMPEDANCE["stiffness"]) / np.array(IMPEDANCE["inertia"]),
+    "admittance": np.ones(6),
+    "force_position": np.ones(6),
+}
+"""The springs by mode, up to a common factor: laws that prescribe accelerations weigh them equally."""
+
+
+@pytest.mark.parametrize(
+    ("offset", "factor"), [(0.0, 1.0), (0.03, 1.0), (-0.04, 1.0), (0.0, 6.0), (0.03, 0.3)]
+)
+def test_surface_is_pressed_with_the_springs_in_series(offset: float, factor: float) -> None:
+    env = made(
+        "PRP-Impedance-v0", "variable_stiffness", scenario="report", control_frequency=20, duration=4.0
+    )
+    surface, spring = 300.0, factor * K_P
+    moved = np.concatenate([offset * INTO, np.zeros(2)])
+    action = action_for(env, pose_offset=moved, stiffness_factor=np.full(5, factor))
+    ground_truth = steady(env, action, **SURFACE, surface_stiffness=surface, joint_position=TOUCH, goal=DEEP)
+    expected = surface * spring / (surface + spring) * (DEPTH + offset)
+    # MuJoCo's contact is a spring to 1e-3 of its stiffness
+    assert INTO @ ground_truth["contact_force"] == pytest.approx(expected, rel=3e-3)
+
+
+@pytest.mark.parametrize("offset", [0.0, 2.0, -1.5])
+def test_surface_is_pressed_with_the_moved_force(offset: float) -> None:
+    env = made("PRP-Force-v0", "force_position", scenario="report", control_frequency=20, duration=3.0)
+    action = action_for(env, force_offset=offset * INTO)
+    surface = {**SURFACE, "surface_stiffness": 500.0, "desired_force": 3.0}
+    ground_truth = steady(env, action, **surface, joint_position=TOUCH)
+    # the integral leaves nothing but exp(-10 t) of the approach, over two seconds
+    np.testing.assert_allclose(ground_truth["contact_force"], (3.0 + offset) * INTO, atol=1e-4)
+
+
+def overshoot(env: PRPEnv, action: Array) -> float:
+    """Of the tip along the slide, over the step that the action moves its reference by."""
+    env.reset(seed=0, options={"joint_position": TOUCH, "goal": TOUCH, **FAR})
+    start, ways = env.physics.tip_position[0].copy(), []
+    for _ in range(env.config.horizon):
+        assert not env.step(action)[2]
+        ways.append((env.physics.tip_position[0] - start) @ INTO)
+    assert ways[-1] == pytest.approx(0.02, rel=0.05)
+    return float(max(ways)) / 0.02 - 1.0
+
+
+@pytest.fixture
+def prompt(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Laws that follow an action at once, so that it is a step."""
+    monkeypatch.setattr(catalogue, "SMOOTHING_TIME", 1e-9)
+
+
+@pytest.mark.usefixtures("prompt")
+@pytest.mark.parametrize("stiffness", [1.0, 3.0, 0.5])
+@pytest.mark.parametrize("damping", [0.25, 0.5])
+def test_damping_ratio_follows_its_factor_and_not_that_of_the_stiffness(
+    stiffness: float, damping: float
+) -> None:
+    env = made("PRP-Impedance-v0", "variable_impedance", scenario="report", duration=3.0)
+    action = action_for(
+        env,
+        pose_offset=np.array([*(0.02 * INTO), 0.0, 0.0]),
+        stiffness_factor=np.full(5, stiffness),
+        damping_factor=np.full(5, damping),
+    )
+    decay = np.log(overshoot(env, action))
+    ratio = -decay / np.hypot(np.pi, decay)  # of a mass, damper and spring that overshoots so far
+    nominal = K_D / (2.0 * np.sqrt(K_P * M_D))
+    # held over dt, a torque is dt/2 old: that takes about ω dt/2 off, 0.01 to 0.02 here
+    assert ratio == pytest.approx(damping * nominal, abs=0.025)
+
+
+@pytest.mark.usefixtures("prompt")
+def test_response_is_that_much_faster_under_a_stiffness_factor() -> None:
+    env = made("PRP-Impedance-v0", "variable_impedance", scenario="report", duration=1.5)
+    peaks = []
+    for factor in (1.0, 4.0):
+        action = action_for(
+            env,
+            pose_offset=np.array([*(0.02 * INTO), 0.0, 0.0]),
+            stiffness_factor=np.full(5, factor),
+            damping_factor=np.full(5, 0.25),
+        )
+        env.reset(seed=0, options={"joint_position": TOUCH, "goal": TOUCH, **FAR})
+        ways = []
+        for _ in range(env.config.horizon):
+            env.step(action)
+            ways.append(env.physics.tip_position[0] @ INTO)
+        peaks.append(0.002 * (1 + int(np.argmax(ways))))
+    ratio = 0.25 * K_D / (2.0 * np.sqrt(K_P * M_D))
+    expected = np.pi / (np.sqrt(K_P / M_D) * np.sqrt(1.0 - ratio**2))
+    # half of the period and of the peak's flat top
+    assert peaks == pytest.approx([expected, expected / 2.0], rel=0.02)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 3.0])
+def test_tip_approaches_a_surface_so_many_times_as_fast(factor: float) -> None:
+    env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
+    action = action_for(env, approach_speed_factor=np.array([factor]))
+    env.reset(seed=0, options={"joint_position": TOUCH, "desired_force": 3.0, **FAR})
+    ways = []
+    for _ in range(30):
+        env.step(action)
+        ways.append(float(env.physics.tip_position[0] @ INTO))
+    # the inner loop lags by a constant distance once exp(-10 t) of the factor's own delay has decayed
+    speed = (ways[-1] - ways[-5]) / 0.2
+    assert speed == pytest.approx(factor * FORCE["approach_speed"], rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [0.5, 1.0, 1.5])
+def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
+    env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
+    action = action_for(env, bandwidth_factor=np.array([factor]))
+    surface = {**SURFACE, "surface_stiffness": 1000.0, "desired_force": 3.0}
+    env.reset(seed=0, options={"joint_position": TOUCH, **surface})
+    errors = []
+    for _ in range(16):
+        env.step(action)
+        errors.append(
+            3.0 - float(INTO @ env.task.ground_truth_layout.split(env.ground_truth)["contact_force"])
+        )
+    rate, inner = np.log(errors[7] / errors[11]) / 0.2, np.sqrt(FORCE["proportional_gain"])
+    # the slowest root of s (1 + s/p)^2 + ω_c = 0, p the inner loop's double pole; the estimated stiffness,
+    # the sampling and what is left of the other roots make a few percent
+    assert rate * (1.0 - rate / inner) ** 2 == pytest.approx(factor * FORCE["bandwidth"], rel=0.05)
+
+
+def test_what_a_law_reads_follows_the_action_with_its_time_constant() -> None:
+    env = made("PRP-JointRegulation-v0", "joint_position")
+    observation, _ = env.reset(seed=0)
+    mode = catalogue.make_action_mode("joint_position", env.task, env.torque_limit, 0.002)
+    action, starts, memory = np.array([[1.0, -0.5, 0.25]]), np.array([True]), None
+    for period in range(1, 101):
+        _, memory = mode.torque(action, observation[None], memory, starts)
+        starts = np.array([False])
+        reached = 1.0 - np.exp(-0.002 * period / catalogue.SMOOTHING_TIME)
+        np.testing.assert_allclose(memory[0], reached * action, rtol=1e-12)

@@ -1,0 +1,99 @@
+"""Steady contact forces on every surface, at every place, in every pose: not only at the report's points."""
+
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import prp_gym
+from prp_gym.envs.base.contact_task import ContactPoint
+from prp_gym.robot import PRPArm
+
+Array = NDArray[np.float64]
+
+PLACES = (-0.2, -0.15, -0.1)  # of the slide at the first touch [m]
+POSES = ((0.0, 0.0), (-1.9, 1.1), (2.4, -0.7))  # q_1 and q_3 [rad]
+DEPTH = 0.05
+SPRINGS = {
+    "compliance": ("PRP-Compliance-v0", 50.0),
+    "impedance": ("PRP-Impedance-v0", 50.0),
+    "admittance": ("PRP-Admittance-v0", 20.0),
+}
+FORCE_LAWS = {
+    "force_inner_position": "PRP-Force-v0",
+    "parallel_force_position": "PRP-ForcePosition-v0",
+}
+
+
+class Press(NamedTuple):
+    """One case: a surface's stiffness [N/m], where and how the arm meets it, and what more is asked for."""
+
+    stiffness: float
+    place: ContactPoint
+    target_impedance: dict[str, Array]
+
+
+def grid(stiffnesses: Array) -> list[Press]:
+    """Every stiffness with every place and pose."""
+    return [
+        Press(float(K), ContactPoint(PRPArm(), np.array([q_1, slide, q_3]), -1.0), {})
+        for K in stiffnesses
+        for slide in PLACES
+        for q_1, q_3 in POSES
+    ]
+
+
+def press(environment_id: str, controller: str, cases: list[Press], **options: Any) -> tuple[Array, Array]:
+    """Final forces along and across the inward normals [N], all cases side by side."""
+    env: Any = gymnasium.make(environment_id, scenario="report", duration=8.0, **options).unwrapped
+    policy, loop = prp_gym.make_baseline(controller, env), env.make_loop(len(cases))
+    rngs = [np.random.default_rng(0) for _ in cases]
+    loop.reset(np.arange(len(cases)), rngs, {})
+    for row, (stiffness, place, target_impedance) in enumerate(cases):
+        before, behind = place.near(np.array([[0.0, -0.02, 0.0], [0.0, DEPTH, 0.0]]))
+        given = {
+            "joint_position": before,
+            "goal": behind,
+            "surface_normal": place.normal,
+            "surface_offset": np.array(place.offset),
+            "surface_stiffness": np.array(stiffness),
+            **target_impedance,
+        }
+        known = {name: value[None] for name, value in given.items() if name in env.task.reset_options}
+        observation = loop.reset(np.array([row]), rngs[row : row + 1], known)
+    state, starts = None, np.ones(len(cases), dtype=np.bool_)
+    for _ in range(env.config.horizon):
+        action, state = policy.predict(observation, state, episode_start=starts)
+        observation = loop.step(action.astype(np.float64)).observation
+        starts = np.zeros(len(cases), dtype=np.bool_)
+    force, inward = loop.physics.contact_force, -np.stack([case.place.normal for case in cases])
+    along = np.vecdot(force, inward)
+    return along, np.linalg.norm(force - along[:, None] * inward, axis=-1)
+
+
+@pytest.mark.parametrize("controller", SPRINGS)
+def test_springs_hold_on_every_surface_at_every_place_in_every_pose(controller: str) -> None:
+    environment_id, own = SPRINGS[controller]
+    options = {"reference": "hold"} if controller == "admittance" else {}
+    cases = grid(np.logspace(0, 4, 9))
+    along, across = press(environment_id, controller, cases, **options)
+    # two springs in series over a depth
+    expected = [case.stiffness * own / (case.stiffness + own) * DEPTH for case in cases]
+    # the design's 0.2 % and, for admittance, 0.5 %
+    np.testing.assert_allclose(along, expected, rtol=5e-3 if controller == "admittance" else 2e-3)
+    np.testing.assert_allclose(across, 0.0, atol=1e-9)  # without friction nothing acts along the surface
+
+
+@pytest.mark.parametrize("controller", FORCE_LAWS)
+def test_desired_force_is_reached_on_every_surface_at_every_place_in_every_pose(controller: str) -> None:
+    cases = [
+        case._replace(target_impedance={"desired_force": np.array(min(5.0, 0.04 * case.stiffness))})
+        for case in grid(np.logspace(np.log10(50.0), np.log10(5000.0), 9))  # what the tuned gains are for
+    ]
+    along, across = press(FORCE_LAWS[controller], controller, cases)
+    np.testing.assert_allclose(
+        along, [case.target_impedance["desired_force"] for case in cases], rtol=2e-3
+    )  # the design
+    np.testing.assert_allclose(across, 0.0, atol=1e-9)

@@ -1,0 +1,159 @@
+"""What tuning may change: declared for every law wherever it runs, around its tuned settings."""
+
+from collections.abc import Iterator
+from contextlib import closing
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from prp_gym import list_envs
+from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
+from prp_gym.baselines.gains import load_gains
+from prp_gym.errors import UnknownNameError
+from prp_gym.tuning import SearchSpace, TuningTask, search_space, start_gains
+
+ENVIRONMENTS: dict[str, Any] = {name: gymnasium.make(name, duration=0.02) for name in list_envs()}
+PAIRS = [
+    (controller, name)
+    for name, env in ENVIRONMENTS.items()
+    for controller in list_baselines(env.get_wrapper_attr("observation_layout"))
+]
+ROUNDING = 1e-12  # relative: a few products and powers in double precision
+
+
+def space_of(controller: str, environment_id: str) -> SearchSpace:
+    return SearchSpace.of(make_baseline(controller, ENVIRONMENTS[environment_id]))
+
+
+def corners(space: SearchSpace) -> Iterator[dict[str, float]]:
+    """All parameters at an end, each alone at an end, and alternating ends."""
+    low = {item.name: item.low for item in space.parameters}
+    high = {item.name: item.high for item in space.parameters}
+    yield from (low, high)
+    for item in space.parameters:
+        yield from ({**space.start, item.name: end} for end in (item.low, item.high))
+        yield from ({**low, item.name: item.high}, {**high, item.name: item.low})
+
+
+def test_every_law_has_a_place_and_every_place_a_law() -> None:
+    assert {controller for controller, _ in PAIRS} == set(BASELINES)
+    assert {name for _, name in PAIRS} == set(list_envs())
+
+
+@pytest.mark.parametrize(("controller", "environment_id"), PAIRS)
+def test_centre_is_the_tuned_set_exactly(controller: str, environment_id: str) -> None:
+    space = space_of(controller, environment_id)
+    assert all(item.low < 1.0 < item.high and item.low > 0.0 for item in space.parameters)
+    assert len(space.start) == len(space.parameters) >= 2
+    env = ENVIRONMENTS[environment_id]
+    tuned, made = (
+        make_baseline(controller, env),
+        make_baseline(controller, env, "report", **space.settings(space.start)),
+    )
+    for name, value in vars(tuned.settings).items():
+        np.testing.assert_array_equal(vars(made.settings)[name], value, err_msg=name)
+
+
+@pytest.mark.parametrize(("controller", "environment_id"), PAIRS)
+def test_every_corner_is_a_law_with_finite_actions(controller: str, environment_id: str) -> None:
+    env, space = ENVIRONMENTS[environment_id], space_of(controller, environment_id)
+    observation, _ = env.reset(seed=1)
+    for factors in corners(space):
+        policy = make_baseline(controller, env, "tuned", **space.settings(factors))
+        action, _ = policy.predict(observation)
+        assert np.isfinite(action).all()
+
+
+@pytest.mark.parametrize(("controller", "environment_id"), PAIRS)
+def test_every_parameter_changes_settings_as_no_other_does(controller: str, environment_id: str) -> None:
+    space = space_of(controller, environment_id)
+    numbers = [name for name, value in space.settings(space.start).items() if not isinstance(value, str)]
+
+    def flat(factors: dict[str, float]) -> Any:
+        return np.concatenate([np.ravel(space.settings(factors)[name]) for name in numbers])
+
+    base = flat(space.start)
+    effects = [flat({**space.start, item.name: item.high}) - base for item in space.parameters]
+    assert np.linalg.matrix_rank([effect / np.abs(effect).max() for effect in effects]) == len(effects)
+
+
+def natural_frequency_and_damping(inertia: Any, damping: Any, stiffness: Any) -> tuple[Any, Any]:
+    """ω = √(K/M), ζ = D/(2√(K M))."""
+    return np.sqrt(stiffness / inertia), damping / (2.0 * np.sqrt(stiffness * inertia))
+
+
+def test_impedance_parameters_are_inertia_bandwidth_and_damping_ratio() -> None:
+    space = space_of("impedance", "PRP-Impedance-v0")
+    factors = {
+        "inertia_translation": 2.0,
+        "inertia_rotation": 0.5,
+        "bandwidth_translation": 3.0,
+        "bandwidth_rotation": 0.25,
+        "damping_ratio_translation": 0.7,
+        "damping_ratio_rotation": 1.5,
+    }
+    assert set(factors) == set(space.start)
+    before, after = space.settings(space.start), space.settings(factors)
+    np.testing.assert_allclose(after["inertia"] / before["inertia"], [2.0] * 3 + [0.5] * 3, rtol=ROUNDING)
+    was, now = (
+        natural_frequency_and_damping(each["inertia"], each["damping"], each["stiffness"])
+        for each in (before, after)
+    )
+    np.testing.assert_allclose(now[0] / was[0], [3.0] * 3 + [0.25] * 3, rtol=ROUNDING)
+    np.testing.assert_allclose(now[1] / was[1], [0.7] * 3 + [1.5] * 3, rtol=ROUNDING)
+
+
+def test_joint_parameters_move_their_joint_alone() -> None:
+    space = space_of("joint_pd", "PRP-JointTracking-v0")
+    factors = {**space.start, "bandwidth_joint_2": 2.0, "damping_ratio_joint_3": 3.0}
+    before, after = space.settings(space.start), space.settings(factors)
+    K_P, K_D = (after[name] / before[name] for name in ("proportional_gain", "derivative_gain"))
+    np.testing.assert_allclose(K_P, [1.0, 4.0, 1.0], rtol=ROUNDING)
+    np.testing.assert_allclose(K_D, [1.0, 2.0, 3.0], rtol=ROUNDING)
+
+
+def test_adaptation_moves_masses_and_frictions_apart() -> None:
+    space = space_of("adaptive", "PRP-JointTracking-v0")
+    factors = {**space.start, "adaptation_inertia": 10.0, "adaptation_coulomb_friction": 0.1}
+    ratio = space.settings(factors)["adaptation_gain"] / space.settings(space.start)["adaptation_gain"]
+    np.testing.assert_allclose(ratio, [10.0] * 6 + [1.0] * 3 + [0.1] * 3, rtol=ROUNDING)
+    link = space_of("adaptive", "PRP-Adaptive-v0")
+    assert [name for name in link.start if name.startswith("adaptation")] == [
+        "adaptation_inertia",
+        "adaptation_viscous_friction",
+        "adaptation_gravity_moment",
+    ]
+
+
+def test_what_a_task_asks_for_is_the_centre_of_what_is_rendered() -> None:
+    env = ENVIRONMENTS["PRP-Compliance-v0"]
+    target_impedance = env.unwrapped.task.target_impedance["stiffness"]
+    space = space_of("admittance", "PRP-Compliance-v0")
+    np.testing.assert_array_equal(space.centre.stiffness, target_impedance)  # type: ignore[attr-defined]
+    moved = space.settings({**space.start, "frame_bandwidth_translation": 2.0})["stiffness"]
+    np.testing.assert_allclose(moved / target_impedance, [4.0] * 3 + [1.0] * 3, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize(("rate", "gains"), [(500.0, "tuned"), (1000.0, "tuned"), (50.0, "tuned_50hz")])
+def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> None:
+    task = TuningTask("PRP-JointTracking-v0", "joint_pd", "randomized", rate, 10_000)
+    assert start_gains(task.controller, task.environment_id, rate) == gains
+    with closing(gymnasium.make(task.environment_id, control_frequency=rate)) as env:
+        centre = search_space(task, env).centre
+        expected = load_gains("joint_pd", gains, task.environment_id)["proportional_gain"]
+        np.testing.assert_array_equal(vars(centre)["proportional_gain"], expected)
+
+
+def test_law_that_does_not_exist_is_refused() -> None:
+    task = TuningTask("PRP-JointTracking-v0", "joint_pid", "randomized", 500.0, 10_000)
+    with pytest.raises(UnknownNameError, match=r"unknown baseline 'joint_pid'\. Did you mean 'joint_pd'"):
+        search_space(task, ENVIRONMENTS[task.environment_id])
+
+
+def test_law_without_a_search_space_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    policy: Baseline[Any] = make_baseline("joint_pd", ENVIRONMENTS["PRP-JointTracking-v0"])
+    monkeypatch.setattr(type(policy), "name", "new_law")
+    with pytest.raises(UnknownNameError, match="unknown law with a search space 'new_law'"):
+        SearchSpace.of(policy)

@@ -1,0 +1,166 @@
+"""Files of tuned laws: written, read back strictly, and made into policies."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from prp_gym.baselines import make_baseline
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.evaluation.results import write_json
+from prp_gym.tuning import TunedController, Validation, list_tuned_controllers, load_tuned_controller
+from prp_gym.tuning import tuned_controller as module
+
+ENVIRONMENT = "PRP-Force-v0"
+ENV = gymnasium.make(ENVIRONMENT, duration=0.02)
+GAINS = {
+    **vars(make_baseline("force_inner_position", ENV).settings),
+    "bandwidth": 7.3,
+    "inertia": [1 / 3] * 6,
+}
+CONTROLLER = TunedController(
+    environment=ENVIRONMENT,
+    controller="force_inner_position",
+    scenario="realistic",
+    control_frequency=500.0,
+    settings={name: value for name, value in GAINS.items() if name != "model"},
+    budget_steps=1000,
+    used_steps=990,
+    simulated_seconds=1.98,
+    trials=3,
+    episodes=20,
+    seconds=0.1,
+    history=((330, 0.5), (990, 0.6)),
+    score=0.6,
+    score_of_tuned=0.5,
+    validation=Validation(seed=500_000_000, episodes=100, score=0.58, score_of_tuned=0.51),
+    seed=0,
+    command="prp-gym tune",
+    versions={"python": "3.11.7"},
+)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    write_json(tmp_path / "result.json", asdict(CONTROLLER))
+    return tmp_path / "result.json"
+
+
+def test_file_reads_back_as_it_was_written(path: Path) -> None:
+    read = load_tuned_controller(path)
+    for entry in fields(TunedController):
+        if entry.name != "settings":
+            assert getattr(read, entry.name) == getattr(CONTROLLER, entry.name), entry.name
+    assert set(read.settings) == set(CONTROLLER.settings)
+    for name, value in CONTROLLER.settings.items():
+        np.testing.assert_array_equal(read.settings[name], value, err_msg=name)
+    assert load_tuned_controller(str(path)).score == 0.6
+
+
+def test_law_is_made_with_the_settings_of_the_file(path: Path) -> None:
+    policy = load_tuned_controller(path).make(ENV)
+    assert policy.name == "force_inner_position"
+    assert policy.settings.bandwidth == 7.3
+    np.testing.assert_array_equal(policy.settings.inertia, np.full(6, 1 / 3))
+    assert policy.settings.stiffness == "estimated"
+
+
+@pytest.mark.parametrize(
+    ("environment_id", "rate", "what"),
+    [("PRP-ForcePosition-v0", 500, "environment of a tuned law"), (ENVIRONMENT, 100, "control_frequency")],
+)
+def test_law_is_made_for_its_environment_and_rate_alone(
+    path: Path, environment_id: str, rate: int, what: str
+) -> None:
+    env = gymnasium.make(environment_id, control_frequency=rate)
+    with pytest.raises(InvalidValueError, match=f"^{what} is "):
+        load_tuned_controller(path).make(env)
+    env.close()
+
+
+def change(name: str, value: Any) -> Callable[[dict[str, Any]], None]:
+    return lambda content: content.update({name: value})
+
+
+REFUSED = {
+    "missing field": lambda content: content.pop("seed"),
+    "field too many": change("more", 1),
+    "text for a number": change("score", "0.6"),
+    "null for a number": change("score", None),
+    "truth value for a number": change("trials", True),
+    "fraction for a count": change("trials", 1.5),
+    "unknown environment": change("environment", "PRP-Nowhere-v0"),
+    "unknown law": change("controller", "joint_pid"),
+    "unknown scenario": change("scenario", "within_limits"),
+    "unknown setting": lambda content: content["settings"].update(gain=1.0),
+    "missing setting": lambda content: content["settings"].pop("inertia"),
+    "negative setting": lambda content: content["settings"].update(inertia=[-1.0] * 6),
+    "settings of another kind": change("settings", [1.0]),
+    "history without scores": change("history", [[330], [990]]),
+    "no history": change("history", []),
+    "history of text": change("history", [["330", 0.5]]),
+    "history as an object": change("history", {"330": 0.5}),
+    "validation without seed": lambda content: content["validation"].pop("seed"),
+    "no validation": change("validation", []),
+    "versions as a list": change("versions", []),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_file_that_is_not_one_of_a_tuned_law_is_refused_with_its_name(path: Path, case: str) -> None:
+    content = json.loads(path.read_text(encoding="utf-8"))
+    REFUSED[case](content)
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(InvalidValueError, match=r"file '.*result\.json' is .*; allowed: "):
+        load_tuned_controller(path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", "3", '{"score": NaN}', "\x00\xff"])
+def test_file_that_is_no_json_object_is_refused(path: Path, text: str) -> None:
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(InvalidValueError, match=r"file '.*result\.json' is "):
+        load_tuned_controller(path)
+
+
+def test_name_that_is_neither_shipped_nor_a_file_is_refused(tmp_path: Path) -> None:
+    for name in (str(tmp_path / "nothing.json"), str(tmp_path), "PRP-Force-v0/joint_pid"):
+        with pytest.raises(UnknownNameError, match="unknown tuned law "):
+            load_tuned_controller(name)
+
+
+def test_shipped_laws_are_listed_by_environment_and_load_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "equal_budget"
+    write_json(folder / f"{ENVIRONMENT}_force_inner_position.json", asdict(CONTROLLER))
+    write_json(folder / "other.json", asdict(CONTROLLER))
+    module._shipped.cache_clear()
+    monkeypatch.setattr(module, "files", lambda package: tmp_path)
+    try:
+        assert (
+            list_tuned_controllers()
+            == list_tuned_controllers(ENVIRONMENT)
+            == [f"{ENVIRONMENT}/force_inner_position"]
+        )
+        assert list_tuned_controllers("PRP-ForcePosition-v0") == []
+        assert load_tuned_controller(f"{ENVIRONMENT}/force_inner_position").score == 0.6
+        with pytest.raises(UnknownNameError, match="unknown environment 'PRP-Force'"):
+            list_tuned_controllers("PRP-Force")
+    finally:
+        module._shipped.cache_clear()
+
+
+def test_every_shipped_law_is_what_its_name_says() -> None:
+    for name in list_tuned_controllers():
+        controller = load_tuned_controller(name)
+        assert f"{controller.environment}/{controller.controller}" == name
+        env = gymnasium.make(controller.environment, control_frequency=controller.control_frequency)
+        assert controller.make(env).name == controller.controller
+        env.close()
+        assert controller.score >= controller.score_of_tuned, name
+        assert controller.used_steps <= controller.budget_steps, name
