@@ -55,7 +55,7 @@ WORDS = (
     Word(
         "pairs?",
         "job, or what the two are",
-        ("pairs? of", "(contact|geom|collision) pairs?", "pair (sol|geom|friction|margin)[a-z]*"),
+        ("pairs? of", "(contact|geom|collision) pairs?", r"pair (sol|geom|friction|margin|dim)\w*"),
     ),
     Word(
         "places?",
@@ -95,7 +95,16 @@ WORDS = (
 DANGLING = re.compile(r"(of|by|for|from|with|at|to|in|on|as|which|whose|who) ", re.IGNORECASE)
 """How a description begins that needs the name before it."""
 
-CLEAN = ("README.md",)
+CLEAN = (
+    "README.md",
+    "docs/errata.md",
+    "docs/learning.md",
+    "docs/references.md",
+    "docs/theory.md",
+    "tests/errata/",
+    "tests/physics/",
+    "tests/robot/",
+)
 """Folders and files that are held to the list."""
 
 FORMER_NAMES: dict[str, tuple[str, ...]] = {}

@@ -1,8 +1,8 @@
 """A shell and a Python session in the environment that the README's own commands create, without downloads.
 
-`git clone` links the tracked files, `make` checks that its targets exist and creates `.venv`, and `pip install`
-makes the packages of an extra importable; until then they are hidden, as a bare installation lacks them. All
-other commands run as they are.
+`git clone` links the tracked files, `make` checks that its targets exist and creates `.venv`, and `pip
+install` makes the packages of an extra importable; until then they are hidden, as a bare installation lacks
+them. All other commands run as they are.
 """
 
 import json
