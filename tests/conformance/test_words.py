@@ -55,7 +55,7 @@ WORDS = (
     Word(
         "pairs?",
         "job, or what the two are",
-        ("pairs? of", "(contact|geom|collision) pairs?", r"pair (sol|geom|friction|margin|dim)\w*"),
+        ("pairs? of", "(contact|geom|collision) pairs?", "<pair", r"pair (sol|geom|friction|margin|dim)\w*"),
     ),
     Word(
         "places?",
@@ -103,6 +103,8 @@ CLEAN = (
     "docs/theory.md",
     "tests/errata/",
     "tests/physics/",
+    "prp_gym/physics/",
+    "prp_gym/robot/",
     "tests/robot/",
 )
 """Folders and files that are held to the list."""

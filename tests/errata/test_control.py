@@ -193,7 +193,7 @@ def test_steady_error_of_figure_7_is_that_of_a_gravity_with_the_wrong_sign() -> 
     np.testing.assert_allclose(error["none"], -0.01924 * third, rtol=0, atol=5e-6)
     np.testing.assert_allclose(error["wrong sign"], -0.03847 * third, rtol=0, atol=5e-6)
     assert error["wrong sign"][2] == pytest.approx(-2 * 0.962145 / K_P, abs=2e-5)  # cos q̃ for 1
-    # with reversed gravity, as run, the errors have the other sign: q_3 of figures 6 and 7, to a pixel of 0.01
+    # with reversed gravity, as run, the errors have the other sign: q_3 of figures 6, 7, to a pixel of 0.01
     assert math.pi + error["none"][2] == pytest.approx(3.115, abs=0.01)
     assert math.pi + error["wrong sign"][2] == pytest.approx(3.099, abs=0.01)
 
