@@ -97,10 +97,13 @@ DANGLING = re.compile(r"(of|by|for|from|with|at|to|in|on|as|which|whose|who) ", 
 
 CLEAN = (
     "README.md",
+    "bench/",
     "docs/errata.md",
     "docs/learning.md",
+    "docs/performance.md",
     "docs/references.md",
     "docs/theory.md",
+    "tests/bench/",
     "tests/errata/",
     "tests/physics/",
     "prp_gym/physics/",
