@@ -63,8 +63,8 @@ def environment_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
 def bare_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
     """A chunk of bare `mj_step` calls on an environment's models, under the same torques.
 
-    It restarts as often as the environment, from states that its resets sampled: joint state and model, with the surface if
-    there is one.
+    It restarts as often as the environment, from states that its resets sampled: joint state and model, with
+    the surface if there is one.
 
     Args:
         env: Environment of this suite, of which only the models are used.
