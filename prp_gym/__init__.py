@@ -15,8 +15,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from prp_gym.errors import PRPError
-from prp_gym.registration import list_envs, register_environments
 from prp_gym.robot import PRPArm, RobotParameters
+from prp_gym.tasks.registration import list_envs, register_environments, register_task
 
 if TYPE_CHECKING:
     from prp_gym.agents.policy.agent_file import list_agents, load_agent
@@ -38,6 +38,7 @@ __all__ = [
     "load_agent",
     "make_baseline",
     "make_sb3_vec_env",
+    "register_task",
 ]
 
 _IMPORTED_ON_USE = {

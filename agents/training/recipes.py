@@ -15,7 +15,7 @@ from prp_gym.agents.sb3.algorithms import (
     setting_names,
 )
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normalize", "env_kwargs"))
 _MODES = "action_modes"

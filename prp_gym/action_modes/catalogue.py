@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from prp_gym.action_modes.steering import ResidualMode, SteeredController
 from prp_gym.baselines.policy import ControlInterface
@@ -157,7 +156,7 @@ def list_action_modes(layout: ObservationLayout | None = None) -> list[str]:
     return [TORQUE, *steered, *(f"{RESIDUAL}{controller}" for controller in controllers)]
 
 
-def make_action_mode(name: str, task: Task[Any], torque_limit: Array, period: float) -> ActionMode:
+def make_action_mode(name: str, task: Task, torque_limit: Array, period: float) -> ActionMode:
     """A mode beside `torque`, for a task.
 
     Args:

@@ -38,11 +38,11 @@ from prp_gym.comparison.task_error import TASK_ERRORS
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_file, write_json
-from prp_gym.registration import list_envs
 from prp_gym.runs.job import list_jobs, make_environment
 from prp_gym.runs.run import check_names, run_jobs
 from prp_gym.runs.store import JobStore
 from prp_gym.runs.workers import Workers
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 _DEFAULT_SCENARIOS = ("randomized", "realistic")

@@ -18,11 +18,11 @@ from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_json
 from prp_gym.evaluation.table import Row, evaluation_table
-from prp_gym.registration import list_envs
 from prp_gym.runs.job import EvaluationJob, Record, list_jobs
 from prp_gym.runs.run import check_names, run_jobs
 from prp_gym.runs.store import JobStore
 from prp_gym.runs.workers import Workers
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 _DEFAULT_SCENARIOS = ("report", "randomized")

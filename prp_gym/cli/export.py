@@ -15,8 +15,8 @@ from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.sb3.export import AgentFacts, export_agent, identity_normalizer
 from prp_gym.agents.sb3.make_vec_env import require_stable_baselines
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
 from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.registration import list_envs
 
 
 def export_command(
