@@ -11,6 +11,7 @@ from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
 from prp_gym.comparison.effort import Effort
 from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, estimate_score, training_spread
 from prp_gym.comparison.values import AGENT, VARIED, Condition, Entry
+from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.robot.arrays import Array
@@ -46,7 +47,7 @@ def condition_table(place: Condition, seed: int) -> Table:
     """
     title = f"{place.environment_id}, scenario {place.scenario}"
     rows = [_row(entry, len(place.seeds), seed) for entry in place.entries if entry.kind != VARIED]
-    return evaluation_table(title, rows, "policy", "µs")
+    return evaluation_table(title, rows, scoring_of(place.environment_id).columns, "policy")
 
 
 def _row(entry: Entry, episodes: int, seed: int) -> Row:
