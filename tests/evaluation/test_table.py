@@ -219,18 +219,6 @@ def test_table_shows_the_metrics_that_are_named_in_their_order() -> None:
 SHOWN = [metric for metric in METRICS.values() if metric.column is not None]
 
 
-@pytest.mark.parametrize("environment_id", list_envs())
-def test_columns_of_a_task_are_those_of_metrics_that_can_be_shown(environment_id: str) -> None:
-    columns = scoring_of(environment_id).columns
-    assert len(set(columns)) == len(columns) >= 6
-    assert set(columns) <= {metric.name for metric in SHOWN}
-
-
-def test_task_that_is_not_declared_has_neither_columns_nor_an_error() -> None:
-    scoring = scoring_of("PRP-Unknown-v0")
-    assert (scoring.columns, scoring.error) == ((), None)
-
-
 PREFIXES = {"m": 1e-3, "": 1.0}
 
 
