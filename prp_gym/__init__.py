@@ -19,6 +19,7 @@ from prp_gym.robot import PRPArm, RobotParameters
 from prp_gym.tasks.registration import list_envs, register_environments, register_task
 
 if TYPE_CHECKING:
+    from prp_gym.agents.algorithms import register_algorithm
     from prp_gym.agents.policy.agent_file import list_agents, load_agent
     from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
     from prp_gym.baselines.registry import list_baselines, make_baseline
@@ -38,6 +39,7 @@ __all__ = [
     "load_agent",
     "make_baseline",
     "make_sb3_vec_env",
+    "register_algorithm",
     "register_task",
 ]
 
@@ -48,6 +50,7 @@ _IMPORTED_ON_USE = {
     "load_agent": "prp_gym.agents.policy.agent_file",
     "make_baseline": "prp_gym.baselines.registry",
     "make_sb3_vec_env": "prp_gym.agents.sb3.make_vec_env",
+    "register_algorithm": "prp_gym.agents.algorithms",
 }
 
 register_environments()
