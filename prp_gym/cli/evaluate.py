@@ -11,7 +11,7 @@ import typer
 from rich.table import Table
 
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import gain_sets
+from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.options import Backend, Controllers, Environments, FirstSeed, Fresh, ParallelWorkers
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.errors import InvalidValueError, UnknownNameError

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.baselines import make_baseline
-from prp_gym.baselines.gains import gain_sets
+from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.comparison.agents import AgentFile, digest, learning_history
 from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, VARIED, ZERO
 from prp_gym.envs.config import EnvConfig

@@ -7,9 +7,8 @@ from typing import Any, Protocol
 
 import gymnasium
 
-from prp_gym.baselines import BASELINES, make_baseline
-from prp_gym.baselines.gains import load_gains
-from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
+from prp_gym.baselines import BASELINES, load_gains, make_baseline
+from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.evaluation.evaluate import episodes_to_play
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.search_space import SearchSpace
@@ -76,10 +75,9 @@ def search_space(task: TuningTask, env: gymnasium.Env[Any, Any]) -> SearchSpace:
     Raises:
         PRPError: a law that does not exist, or does not run on the environment or at its control frequency.
     """
-    if task.controller not in BASELINES:
-        raise UnknownNameError("baseline", task.controller, BASELINES)
+    controller = BASELINES.find(task.controller)
     gains = start_gains(task.controller, task.environment_id, task.control_frequency)
-    return SearchSpace.of(make_baseline(task.controller, env, gains))
+    return SearchSpace.of(controller, make_baseline(controller, env, gains).settings)
 
 
 def tune(
