@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 from prp_gym.baselines.base.spec import ControllerSpec, find_controller, read_toml
 from prp_gym.errors import GainsFileError, InvalidValueError, UnknownNameError
