@@ -114,6 +114,7 @@ class Baseline(ABC, Generic[SettingsT]):
         settings_class: of its numbers.
         rendered: settings that `tuned` gains take from what the task asks for, if it does.
         integrators: which arrays of the state stand still while an actuator is at its limit.
+        batched: `predict` also takes several observations at once.
         settings: the law's numbers, every vector at its full length.
         model: the robot with which the law computes.
         references: what is desired, in joint or operational space.
@@ -130,6 +131,7 @@ class Baseline(ABC, Generic[SettingsT]):
     settings_class: ClassVar[type[Settings]]
     rendered: ClassVar[tuple[str, ...]] = ()
     integrators: ClassVar[tuple[int, ...]] = ()
+    batched: ClassVar[bool] = True
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
         missing = self.missing_fields(interface.layout)

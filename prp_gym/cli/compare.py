@@ -36,7 +36,7 @@ from prp_gym.comparison.table import (
 )
 from prp_gym.comparison.task_error import TASK_ERRORS
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play
+from prp_gym.evaluation.evaluate import check_protocol, episodes_to_run
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_file, write_json
 from prp_gym.registration import list_envs
 from prp_gym.runs.job import list_jobs, make_environment
@@ -135,7 +135,7 @@ def list_comparison_jobs(
         own = list_jobs([(environment_id, scenario)], controllers, _GAINS, _FREQUENCY, episodes, seed)
         pairs += [ControllerJob(**vars(pair)) for pair in own]
         with closing(make_environment(environment_id, scenario, _FREQUENCY)) as made:
-            count = episodes_to_play(made, episodes)
+            count = episodes_to_run(made, episodes)
         tuned = find_tuned_controllers(environment_id, [pair.controller for pair in own])
         pairs += [BudgetJob(controller, scenario, count, seed) for controller in tuned]
         pairs += [

@@ -18,7 +18,7 @@ import prp_gym
 from prp_gym.baselines import make_baseline
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.evaluation.evaluate import episodes_to_play
+from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.evaluation.results import list_versions, to_plain, write_json
 from prp_gym.registration import list_envs
 from prp_gym.runs.job import running_code
@@ -64,7 +64,7 @@ def tune_command(
         space = search_space(task, made)
         study = StoredStudy(folder, space, _key(task), seed, resume)
         tuned = _search(task, made, space, study)
-        played = episodes_to_play(made, task.episodes)
+        played = episodes_to_run(made, task.episodes)
         result = _result(task, tuned, played, _validate(task, made, space, tuned))
     write_json(folder / RESULT, asdict(result))
     _show(result, folder / RESULT)
@@ -106,10 +106,10 @@ def _search(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace, 
 
 def _validate(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace, tuned: Tuned) -> Validation:
     """The best settings and the first ones on episodes that the search did not use."""
-    count = episodes_to_play(env, VALIDATION_EPISODES)
+    count = episodes_to_run(env, VALIDATION_EPISODES)
     episodes = Episodes(env, range(VALIDATION_SEED, VALIDATION_SEED + count))
     found, start = (
-        float(episodes.play(make_baseline(task.controller, env, "tuned", **settings)).scores.mean())
+        float(episodes.run(make_baseline(task.controller, env, "tuned", **settings)).scores.mean())
         for settings in (tuned.settings, space.settings(space.start))
     )
     return Validation(seed=VALIDATION_SEED, episodes=count, score=found, score_of_tuned=start)

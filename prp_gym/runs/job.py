@@ -17,7 +17,7 @@ import prp_gym.baselines
 import prp_gym.envs
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.evaluate import episodes_to_play, evaluate
+from prp_gym.evaluation.evaluate import episodes_to_run, evaluate
 from prp_gym.evaluation.results import describe_evaluation, list_versions, to_plain
 
 _SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines, prp_gym.agents)
@@ -168,7 +168,7 @@ def list_jobs(
     for environment_id, scenario in conditions:
         with closing(make_environment(environment_id, scenario, control_frequency)) as env:
             eligible = list_baselines(env.get_wrapper_attr("observation_layout"))
-            count = episodes_to_play(env, episodes)
+            count = episodes_to_run(env, episodes)
             for controller in (name for name in controllers if name in eligible):
                 make_baseline(controller, env, gains)
                 pairs.append(

@@ -10,7 +10,7 @@ import gymnasium
 from prp_gym.baselines import BASELINES, make_baseline
 from prp_gym.baselines.gains import load_gains
 from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
-from prp_gym.evaluation.evaluate import episodes_to_play
+from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.task import TuningTask
@@ -111,7 +111,7 @@ def tune(
     Raises:
         InvalidValueError: a budget for not even one candidate.
     """
-    seeds = range(task.first_seed, task.first_seed + episodes_to_play(env, task.episodes))
+    seeds = range(task.first_seed, task.first_seed + episodes_to_run(env, task.episodes))
     episodes = Episodes(env, seeds)
     if task.budget < episodes.most_steps:
         raise InvalidValueError("budget", task.budget, f"at least {episodes.most_steps}, one trial", "steps")
@@ -135,5 +135,5 @@ def _play(
         policy = make_baseline(controller, env, "tuned", **settings)
     except PRPError:
         return 0.0, episodes.most_steps
-    scores, steps = episodes.play(policy)
+    scores, steps = episodes.run(policy)
     return float(scores.mean()), steps
