@@ -98,14 +98,14 @@ class UnreachableError(PRPError, ValueError):
 
 
 class MissingFieldError(PRPError, ValueError):
-    """A control law on an observation that lacks what the law reads."""
+    """A controller on an observation that lacks what the controller reads."""
 
     def __init__(self, controller: str, missing: Sequence[str], available: Sequence[str]) -> None:
         self.controller = controller
         self.missing = tuple(missing)
         self.available = tuple(available)
         super().__init__(
-            f"law {controller!r} reads observation fields that this environment does not give:"
+            f"controller {controller!r} reads observation fields that this environment does not give:"
             f" {', '.join(self.missing)}. Fields given: {', '.join(self.available)}."
         )
 
@@ -142,6 +142,15 @@ class OutputError(PRPError, RuntimeError):
         self.path = str(path)
         self.reason = str(reason)
         super().__init__(f"cannot write to {self.path!r}: {self.reason}")
+
+
+class GainsFileError(PRPError, ValueError):
+    """A TOML file of gains that is missing, is not TOML, or holds what a controller does not have."""
+
+    def __init__(self, path: object, what: str) -> None:
+        self.path = str(path)
+        self.what = what
+        super().__init__(f"gains file {self.path!r}: {what}.")
 
 
 class AgentFileError(PRPError, ValueError):

@@ -4,9 +4,6 @@ from dataclasses import dataclass
 
 import gymnasium
 
-ACTION_MODES = "prp_gym.action_modes:make_action_mode"
-"""Makes what actions mean beside torques; imported on first use, so that environments know no law."""
-
 
 @dataclass(frozen=True)
 class EnvironmentEntry:
@@ -95,6 +92,5 @@ def register_environments() -> None:
                 entry.id,
                 entry_point=entry.entry_point,
                 vector_entry_point=entry.vector_entry_point,
-                kwargs={"action_modes": ACTION_MODES},
                 order_enforce=False,  # the environments do so themselves
             )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.baselines import BASELINES, make_baseline
-from prp_gym.baselines.gains import gain_sets, load_gains
+from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.rollout import Policy, Rollout

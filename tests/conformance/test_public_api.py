@@ -56,7 +56,7 @@ def test_unknown_attribute_is_refused_by_name() -> None:
 def test_names_imported_on_use_are_those_of_their_modules() -> None:
     from prp_gym.agents.policy.agent_file import list_agents, load_agent
     from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
-    from prp_gym.baselines.registry import list_baselines, make_baseline
+    from prp_gym.baselines.base.make import list_baselines, make_baseline
     from prp_gym.evaluation.evaluate import evaluate
 
     assert prp_gym.evaluate is evaluate

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import gain_sets
+from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.registration import list_envs
 from prp_gym.reproduction import FigureOutcome, Run, Verdict, judge, load_catalogue, play
