@@ -21,6 +21,7 @@ from prp_gym.cli.options import (
 )
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.evaluation.evaluate import check_protocol
+from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.evaluation_job import list_jobs
@@ -85,7 +86,9 @@ def _tables(records: list[Record]) -> Iterator[Table]:
     for (environment_id, scenario), own in itertools.groupby(
         records, lambda record: (record["environment"], record["scenario"])
     ):
-        yield evaluation_table(f"{environment_id}, scenario {scenario}", [Row.of(record) for record in own])
+        rows = [Row.of(record) for record in own]
+        columns = scoring_of(environment_id).columns
+        yield evaluation_table(f"{environment_id}, scenario {scenario}", rows, columns)
 
 
 def _scores(records: list[Record]) -> list[Table]:
