@@ -53,4 +53,6 @@ ParallelWorkers = Annotated[
 Backend = Annotated[
     str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
 ]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Run also the jobs that an interrupted run has finished.")]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Run also the jobs that an interrupted run has finished.")
+]

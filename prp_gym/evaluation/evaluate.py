@@ -99,7 +99,7 @@ def evaluate(
     """
     check_protocol(episodes, seed)
     count = episodes_to_run(env, episodes)
-    asked = policy if hasattr(policy, "predict") else policy.make(env)
+    asked = _policy(policy, env)
     seeds = range(int(seed), int(seed) + count)
     if count > 1 and takes_batches(asked) and can_batch(env):
         rollouts = record_episodes(asked, env, seeds)
@@ -111,6 +111,21 @@ def evaluate(
         rollouts.append(record_episode(asked, env, own))
         on_episode()
     return Evaluation(rollouts, seed)
+
+
+def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
+    """A policy itself, or the one that a declaration makes for an environment.
+
+    Raises:
+        InvalidValueError: neither of the two.
+    """
+    if hasattr(given, "predict"):
+        policy: Policy = given
+        return policy
+    if not hasattr(given, "make"):
+        allowed = "an object with `predict`, or the declaration of a controller"
+        raise InvalidValueError("policy", given, allowed)
+    return given.make(env)
 
 
 def check_protocol(episodes: int, seed: int) -> None:

@@ -88,7 +88,6 @@ class ControllerChoice:
         return {"code": {"name": self.name, "sha256": self.sha256}} if self.sha256 else {}
 
 
-
 def _split(text: str) -> tuple[str, str]:
     name, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not name.isidentifier():

@@ -60,7 +60,7 @@ def list_candidates(
         PRPError: a controller that cannot run on the environment with these gains.
     """
     declared = controllers.find(choice)
-    start = controllers.try_out(choice, env)
+    start: Any = controllers.try_out(choice, env)
     if isinstance(declared, Predictor):
         settings = settings_of(declared, choice, start)
         del settings["gains"]

@@ -139,7 +139,7 @@ def definition(defined: Any, otherwise: str = "") -> tuple[str, int]:
 
 
 def _report(defined: Any, where: tuple[str, int], error: Exception, environment_id: str) -> NoReturn:
-    """Raise the error itself where the code is this package's or has been reported, else one of the user's."""
+    """Raise an error of this package's code or a reported one as it is, any other as the user's."""
     if _top(defined) == "prp_gym" or isinstance(error, (UserCodeError, MissingFieldError)):
         raise error
     file, line = where if where[0] else definition(defined, _top(defined))

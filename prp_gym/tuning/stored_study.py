@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from prp_gym.errors import InvalidValueError, MissingPackageError
 from prp_gym.artifacts import prepare_folder
-from prp_gym.tuning.local_step import is_local, local_step
+from prp_gym.errors import InvalidValueError, MissingPackageError
 from prp_gym.tuning.candidates import Space
+from prp_gym.tuning.local_step import is_local, local_step
 from prp_gym.tuning.trial import Trial
 
 if TYPE_CHECKING:
@@ -48,9 +48,7 @@ class StoredStudy:
         OutputError: the folder cannot be made or written to.
     """
 
-    def __init__(
-        self, folder: Path, space: Space, key: Mapping[str, Any], seed: int, resume: bool
-    ) -> None:
+    def __init__(self, folder: Path, space: Space, key: Mapping[str, Any], seed: int, resume: bool) -> None:
         self._optuna = _import_optuna()
         self._space, self._seed = space, seed
         self._study = self._optuna.create_study(direction="maximize")

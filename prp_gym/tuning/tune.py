@@ -17,7 +17,6 @@ from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 
-
 TUNED, SLOW = "tuned", "tuned_50hz"
 """Gain sets from which searches start."""
 

@@ -92,7 +92,9 @@ class TunedController:
             raise InvalidValueError("tuned controller", self.controller, allowed)
         interface = ControlInterface.of(env)
         if interface.environment_id != self.environment:
-            raise InvalidValueError("environment of a tuned controller", interface.environment_id, self.environment)
+            raise InvalidValueError(
+                "environment of a tuned controller", interface.environment_id, self.environment
+            )
         frequency = 1.0 / interface.period
         if not math.isclose(frequency, self.control_frequency):
             raise InvalidValueError("control_frequency", frequency, f"{self.control_frequency:g}", "Hz")
@@ -139,7 +141,7 @@ def read_tuned_controller(content: Any, where: str) -> TunedController:
         where: origin of the content, for errors.
 
     Raises:
-        InvalidValueError: a field that is missing, unknown, of another type, or with a value that is not allowed.
+        InvalidValueError: a field that is missing, unknown, of another type, or not allowed.
     """
     values = _read(TunedController, content, where)
     values["validation"] = Validation(**_read(Validation, values["validation"], f"validation of {where}"))

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import gymnasium
 import pytest
+from prp_gym.action_modes.catalogue import MODES
 from typer.testing import CliRunner
 
 from prp_gym import list_envs
-from prp_gym.action_modes.catalogue import MODES
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
