@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import gymnasium
 import typer
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import read_groups
-from prp_gym.cli.options import Backend
+from prp_gym.cli.options import Backend, Plugins
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console
 from prp_gym.cli.training_progress import show_results, train_seeds
 from prp_gym.errors import InvalidValueError
@@ -37,7 +38,7 @@ def train_command(
     manifest: Annotated[
         Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
     ] = None,
-    algo: Annotated[str, typer.Option(help="ppo, sac, td3, tqc or recurrent_ppo.")] = "ppo",
+    algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
     action_mode: Annotated[
         str | None, typer.Option(help="What actions mean. Default: what the recipe says.")
     ] = None,
@@ -70,6 +71,7 @@ def train_command(
         int, typer.Option(help="Seeds at once; 1: in this process, 0: as many as there are cores.")
     ] = 0,
     backend: Backend = "loky",
+    plugin: Plugins = None,
 ) -> None:
     """Train agents with Stable-Baselines3 and keep the best policy of each.
 
