@@ -68,12 +68,12 @@ def test_deterministic_scenario_is_played_once() -> None:
 def test_gains_that_cannot_be_used_are_refused_before_anything_is_played() -> None:
     with pytest.raises(InvalidValueError, match="control_frequency is 50"):
         list_jobs([REPORT], ["joint_pd"], "tuned", 50.0, 1, 0)
-    with pytest.raises(UnknownNameError, match="unknown gain set of law 'joint_pd'"):
+    with pytest.raises(UnknownNameError, match="unknown gain set of controller 'joint_pd'"):
         list_jobs([REPORT], ["joint_pd"], "nothing", 500.0, 1, 0)
 
 
 def test_law_that_lacks_what_it_reads_is_refused_where_it_is_played() -> None:
-    with pytest.raises(MissingFieldError, match="law 'impedance'"):
+    with pytest.raises(MissingFieldError, match="controller 'impedance'"):
         run_job(replace(PAIR, controller="impedance"))
 
 

@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.baselines import make_baseline
+from prp_gym.baselines import BASELINES, ForceInnerPositionController, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.results import write_json
 from prp_gym.tuning import TunedController, Validation, list_tuned_controllers, load_tuned_controller
@@ -64,7 +64,7 @@ def test_file_reads_back_as_it_was_written(path: Path) -> None:
 
 def test_law_is_made_with_the_settings_of_the_file(path: Path) -> None:
     policy = load_tuned_controller(path).make(ENV)
-    assert policy.name == "force_inner_position"
+    assert isinstance(policy, ForceInnerPositionController)
     assert policy.settings.bandwidth == 7.3
     np.testing.assert_array_equal(policy.settings.inertia, np.full(6, 1 / 3))
     assert policy.settings.stiffness == "estimated"
@@ -160,7 +160,7 @@ def test_every_shipped_law_is_what_its_name_says() -> None:
         controller = load_tuned_controller(name)
         assert f"{controller.environment}/{controller.controller}" == name
         env = gymnasium.make(controller.environment, control_frequency=controller.control_frequency)
-        assert controller.make(env).name == controller.controller
+        assert type(controller.make(env)) is BASELINES[controller.controller].policy
         env.close()
         assert controller.score >= controller.score_of_tuned, name
         assert controller.used_steps <= controller.budget_steps, name
