@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from prp_gym.agents.sb3.algorithms import require
+from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import Recipe
 from prp_gym.errors import InvalidValueError, RunFolderError
 from prp_gym.evaluation.results import list_versions, prepare_folder, to_plain, write_file, write_json

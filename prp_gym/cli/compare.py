@@ -34,15 +34,14 @@ from prp_gym.comparison.table import (
     pairwise_table,
     spread_table,
 )
-from prp_gym.comparison.task_error import TASK_ERRORS
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, episodes_to_play
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_file, write_json
-from prp_gym.registration import list_envs
 from prp_gym.runs.job import list_jobs, make_environment
 from prp_gym.runs.run import check_names, run_jobs
 from prp_gym.runs.store import JobStore
 from prp_gym.runs.workers import Workers
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 _DEFAULT_SCENARIOS = ("randomized", "realistic")
@@ -174,22 +173,26 @@ def _show(outcome: Outcome, output: Path, busy: bool) -> None:
     if outcome.pairwise_comparisons:
         console.print(pairwise_table(outcome.pairwise_comparisons))
         notes.append(
-            "better: whose score is higher by a paired difference whose interval leaves out 0; apart: "
-            "whether the intervals of the two scores do not overlap. The best are chosen on these episodes."
+            "better: the policy whose score is higher by a paired difference whose interval does not contain "
+            "0; disjoint intervals: whether those of the two scores do not overlap, which is stricter. The "
+            "best policies are chosen on the same episodes."
         )
-    console.print(aggregate_table(outcome.aggregates))
+    if outcome.aggregates:
+        console.print(aggregate_table(outcome.aggregates))
     if outcome.efforts:
         console.print(effort_table(outcome.efforts))
         notes.append(
-            "to the best law's score: medians over training seeds, from the scores that training or tuning "
-            "itself has measured, in the scenario named; violations: in all of the training."
+            "learning effort: medians over training seeds, from the scores that training or tuning itself "
+            "has measured, in the scenario named; violations: in the whole training."
         )
-    console.print(audit_table(outcome.audits))
-    notes.append(
-        "rank correlation: over policies, between score and smallness of the physical error; its 95 % "
-        "interval is over episodes. Of policies that hardly differ it is chance: --audit plays more of them."
-    )
-    notes += [f"{gauge_name}: {reason}." for gauge_name, reason in _reasons(outcome)]
+    if outcome.audits:
+        console.print(audit_table(outcome.audits))
+        notes.append(
+            "rank correlation: over policies, between score and smallness of the physical error; its 95 % "
+            "interval is over episodes. For policies that hardly differ it is left to chance: --audit adds "
+            "more policies."
+        )
+    notes += [f"{name}: {reason}." for name, reason in _reasons(outcome)]
     if busy:
         notes.append(
             "µs: of an action, measured beside other work; for that of a policy alone, choose --jobs 1."
@@ -201,5 +204,4 @@ def _show(outcome: Outcome, output: Path, busy: bool) -> None:
 
 def _reasons(outcome: Outcome) -> list[tuple[str, str]]:
     """Why each physical error was chosen, once each."""
-    task_errors = [TASK_ERRORS[place.environment_id] for place in outcome.conditions]
-    return list(dict.fromkeys((task_error.name, task_error.reason) for task_error in task_errors))
+    return list(dict.fromkeys((audit.physical_error, audit.reason) for audit in outcome.audits))

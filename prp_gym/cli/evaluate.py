@@ -17,12 +17,13 @@ from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.results import describe_run, prepare_folder, write_json
+from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
-from prp_gym.registration import list_envs
 from prp_gym.runs.job import EvaluationJob, Record, list_jobs
 from prp_gym.runs.run import check_names, run_jobs
 from prp_gym.runs.store import JobStore
 from prp_gym.runs.workers import Workers
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 _DEFAULT_SCENARIOS = ("report", "randomized")
@@ -105,7 +106,9 @@ def _tables(records: list[Record]) -> Iterator[Table]:
     for (environment_id, scenario), own in itertools.groupby(
         records, lambda record: (record["environment"], record["scenario"])
     ):
-        yield evaluation_table(f"{environment_id}, scenario {scenario}", [Row.of(record) for record in own])
+        rows = [Row.of(record) for record in own]
+        columns = scoring_of(environment_id).columns
+        yield evaluation_table(f"{environment_id}, scenario {scenario}", rows, columns)
 
 
 def _scores(records: list[Record]) -> list[Table]:

@@ -20,8 +20,8 @@ from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import episodes_to_play
 from prp_gym.evaluation.results import list_versions, to_plain, write_json
-from prp_gym.registration import list_envs
 from prp_gym.runs.job import running_code
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.stored_study import StoredStudy

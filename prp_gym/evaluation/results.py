@@ -57,7 +57,7 @@ def describe_run(command: str) -> dict[str, Any]:
         "command": command,
         "versions": list_versions(),
         "machine": {"system": platform.system(), "architecture": platform.machine(), "cores": os.cpu_count()},
-        "units": {metric.name: metric.units for metric in METRICS},
+        "units": {metric.name: metric.units for metric in METRICS.values()},
     }
 
 

@@ -11,7 +11,6 @@ import prp_gym
 from prp_gym.action_modes import RESIDUAL_SHARE, ModeSetup, list_action_modes, make_action_mode
 from prp_gym.baselines import BASELINES, make_baseline
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.tasks.impedance import ImpedanceEnv
 from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
 from prp_gym.evaluation.batch import record_episodes
 from prp_gym.evaluation.rollout import Rollout
@@ -142,14 +141,6 @@ def test_law_is_refused_where_actions_are_no_torques() -> None:
         make_baseline("impedance", env)
     with pytest.raises(InvalidValueError, match="'torque'"):
         make_baseline("impedance", gymnasium.make_vec("PRP-Impedance-v0", 2, action_mode="impedance"))
-
-
-def test_class_made_without_registration_has_the_same_modes() -> None:
-    assert ImpedanceEnv().action_mode == "torque"
-    assert (
-        ImpedanceEnv(action_mode="impedance").action_fields
-        == made("PRP-Impedance-v0", "impedance").action_fields
-    )
 
 
 @pytest.mark.parametrize(("environment_id", "mode"), [pair for pair in PAIRS if "residual" in pair[1]])

@@ -99,7 +99,7 @@ def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: 
     content = results_of(tmp_path / "a b")
     assert content["command"] == f"prp-gym {' '.join(options[:-1])} '{tmp_path}/a b'"
     assert {"python", "prp-gym", "gymnasium", "mujoco", "numpy"} == set(content["versions"])
-    assert set(content["units"]) == {metric.name for metric in METRICS}
+    assert set(content["units"]) == set(METRICS)
 
 
 def test_evaluate_prints_whole_tables_best_law_first(tmp_path: Path) -> None:

@@ -117,7 +117,7 @@ def test_caller_is_told_of_every_episode(env: Env) -> None:
 def test_metrics_are_stacked_over_the_episodes(env: Env) -> None:
     evaluation = evaluate(any_law(env), env, episodes=3, seed=0)
     rollout = evaluation.rollouts[0]
-    sizes = {metric.name: metric.components(rollout) for metric in METRICS if metric.exists(rollout)}
+    sizes = {metric.name: metric.components(rollout) for metric in METRICS.values() if metric.exists(rollout)}
     assert {name: values.shape for name, values in evaluation.metrics.items()} == {
         name: (3, size) for name, size in sizes.items()
     }

@@ -2,10 +2,14 @@
 
 import numpy as np
 
-from prp_gym.evaluation.metric import JointMetric, Metric
+from prp_gym.evaluation.column import Column
+from prp_gym.evaluation.metric import JointMetric, Metric, MetricGroup, Presentation
+from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import root_mean_square
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+
+EFFORT = MetricGroup("Effort", 16.0)
 
 
 def mechanical_energy(torque: Array, velocity: Array, period: float) -> Array:
@@ -46,45 +50,56 @@ def share_of_joints(counts: Array, joints: int) -> Array:
 
 
 def _share(rollout: Rollout, cost: str) -> Array:
-    return np.atleast_1d(share_of_joints(rollout.info[cost], rollout.torque.shape[-1]))
+    return share_of_joints(rollout.info[cost], rollout.torque.shape[-1])
 
 
-EFFORT_METRICS: tuple[Metric, ...] = (
+register_metric(
     Metric(
         "energy",
         ("J",),
         "∫ Σ |τ_i q̇_i| dt of the torques that acted",
         ("joint_velocity",),
-        lambda r: np.atleast_1d(mechanical_energy(r.applied_torque, r.fields["joint_velocity"], r.period)),
-        "mechanical energy without recuperation",
-    ),
+        lambda r: mechanical_energy(r.applied_torque, r.fields["joint_velocity"], r.period),
+        Presentation(EFFORT, Column("energy", ("J",)), "mechanical energy without recuperation"),
+    )
+)
+register_metric(
     JointMetric(
         "torque_rms",
         ("N·m", "N", "N·m"),
         "root mean square of each commanded torque",
         (),
         lambda r: root_mean_square(r.torque),
-        "root mean square torque",
-    ),
+        Presentation(EFFORT, known_as="root mean square torque"),
+    )
+)
+register_metric(
     JointMetric(
         "torque_rate",
         ("N·m/s", "N/s", "N·m/s"),
         "root mean square of each commanded torque's change per second",
         (),
         lambda r: torque_rate(r.torque, r.period),
-    ),
+        Presentation(EFFORT),
+    )
+)
+register_metric(
     Metric(
         "saturation",
         ("%",),
         "share of joints and steps at or beyond the actuator limit",
         ("cost_saturation",),
         lambda r: _share(r, "cost_saturation"),
-    ),
+        Presentation(EFFORT, Column("satu-\nrated", ("%",))),
+    )
+)
+register_metric(
     Metric(
         "joint_stop",
         ("%",),
         "share of joints and steps beyond a joint stop",
         ("cost_joint_stop",),
         lambda r: _share(r, "cost_joint_stop"),
-    ),
+        Presentation(EFFORT),
+    )
 )

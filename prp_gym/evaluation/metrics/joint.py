@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from prp_gym.evaluation.metric import JointMetric, Metric
+from prp_gym.evaluation.column import Column
+from prp_gym.evaluation.metric import JointMetric, Metric, MetricGroup, Presentation
+from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import (
     SETTLING_BAND,
     is_constant,
@@ -14,6 +16,8 @@ from prp_gym.evaluation.response import (
 )
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+
+JOINT_MOTION = MetricGroup("Joint motion", 6.0)
 
 RESOLUTION = np.array([2e-3, 2e-4, 2e-3])
 """Smallest step and band that count [rad, m, rad]: below them a joint is taken to stand still."""
@@ -67,53 +71,67 @@ def _joints(rollout: Rollout) -> tuple[Array, Array]:
 _FIELDS = ("joint_position", "desired_joint_position")
 _UNITS = ("rad", "m", "rad")
 
-JOINT_METRICS: tuple[Metric, ...] = (
+register_metric(
     JointMetric(
         "joint_rmse",
         _UNITS,
         "root mean square of each joint's tracking error",
         _FIELDS,
         lambda r: root_mean_square_error(*_joints(r)),
-        "root mean square tracking error",
-    ),
+        Presentation(
+            JOINT_MOTION, Column("joint RMSE", ("mrad", "mm", "mrad"), 1e3), "root mean square tracking error"
+        ),
+    )
+)
+register_metric(
     JointMetric(
         "joint_mean_error",
         _UNITS,
         "mean over time of each joint's absolute tracking error",
         _FIELDS,
         lambda r: mean_absolute_error(*_joints(r)),
-        "mean absolute error; times the duration, IAE",
-    ),
+        Presentation(JOINT_MOTION, known_as="mean absolute error; times the duration, IAE"),
+    )
+)
+register_metric(
     JointMetric(
         "joint_maximum_error",
         _UNITS,
         "largest absolute tracking error of each joint",
         _FIELDS,
         lambda r: maximum_error(*_joints(r)),
-        "peak tracking error",
-    ),
+        Presentation(JOINT_MOTION, known_as="peak tracking error"),
+    )
+)
+register_metric(
     Metric(
         "settling_time",
         ("s",),
         "when every joint is within 2 % of its step (at least 2 mrad, 0.2 mm) for good; constant references",
         _FIELDS,
-        lambda r: np.atleast_1d(settling_time(r.time, *_joints(r))),
-        "settling time of a step response",
-    ),
+        lambda r: settling_time(r.time, *_joints(r)),
+        Presentation(JOINT_MOTION, Column("set-\ntling\ntime", ("s",)), "settling time of a step response"),
+    )
+)
+register_metric(
     Metric(
         "overshoot",
         ("%",),
         "largest excess beyond the goal over a joint's step (above 2 mrad, 0.2 mm); constant references",
         _FIELDS,
-        lambda r: np.atleast_1d(overshoot(*_joints(r))),
-        "overshoot of a step response",
-    ),
+        lambda r: overshoot(*_joints(r)),
+        Presentation(JOINT_MOTION, Column("over-\nshoot", ("%",)), "overshoot of a step response"),
+    )
+)
+register_metric(
     JointMetric(
         "steady_state_error",
         _UNITS,
         "mean error of each joint over the last tenth; on references that rest there",
         _FIELDS,
         lambda r: steady_state_error(*_joints(r)),
-        "steady-state error",
-    ),
+        Presentation(
+            JOINT_MOTION, Column("steady-state\nerror", ("mrad", "mm", "mrad"), 1e3), "steady-state error"
+        ),
+    )
 )

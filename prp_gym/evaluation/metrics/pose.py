@@ -7,7 +7,9 @@ a sign and a constant, and a joint that is a turn away from its goal is not at i
 
 import numpy as np
 
-from prp_gym.evaluation.metric import Metric
+from prp_gym.evaluation.column import Column
+from prp_gym.evaluation.metric import Metric, MetricGroup, Presentation
+from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import (
     SETTLING_BAND,
     distance,
@@ -20,6 +22,9 @@ from prp_gym.evaluation.response import (
 )
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+
+TIP_MOTION = MetricGroup("Tip motion", 9.0)
+REFERENCE_MODEL = MetricGroup("Reference model", 11.0)
 
 POSITION_RESOLUTION = 2e-4
 """Smallest step and band that count [m]: below it the tip is taken to stand still."""
@@ -100,122 +105,161 @@ def _orientations(rollout: Rollout) -> tuple[Array, Array]:
 _FIELDS = ("end_effector_pose", "desired_pose")
 _MODEL_FIELDS = ("end_effector_pose", "model_pose")
 
-POSE_METRICS: tuple[Metric, ...] = (
+register_metric(
     Metric(
         "position_rmse",
         ("m",),
         "root mean square of the tip's distance to the desired position",
         _FIELDS,
-        lambda r: np.atleast_1d(root_mean_square_distance(*_positions(r))),
-        "root mean square tracking error",
-    ),
+        lambda r: root_mean_square_distance(*_positions(r)),
+        Presentation(TIP_MOTION, Column("position\nRMSE", ("mm",), 1e3), "root mean square tracking error"),
+    )
+)
+register_metric(
     Metric(
         "position_mean_error",
         ("m",),
         "mean over time of the tip's distance to the desired position",
         _FIELDS,
-        lambda r: np.atleast_1d(mean_distance(*_positions(r))),
-        "mean absolute error; times the duration, IAE",
-    ),
+        lambda r: mean_distance(*_positions(r)),
+        Presentation(TIP_MOTION, known_as="mean absolute error; times the duration, IAE"),
+    )
+)
+register_metric(
     Metric(
         "position_maximum_error",
         ("m",),
         "largest distance of the tip to the desired position",
         _FIELDS,
-        lambda r: np.atleast_1d(maximum_distance(*_positions(r))),
-        "positioning path accuracy (ISO 9283), taken at equal times",
-    ),
+        lambda r: maximum_distance(*_positions(r)),
+        Presentation(TIP_MOTION, known_as="positioning path accuracy (ISO 9283), taken at equal times"),
+    )
+)
+register_metric(
     Metric(
         "orientation_rmse",
         ("rad",),
         "root mean square of the norm of the errors of α and β",
         _FIELDS,
-        lambda r: np.atleast_1d(root_mean_square_distance(*_orientations(r))),
-        "root mean square tracking error",
-    ),
+        lambda r: root_mean_square_distance(*_orientations(r)),
+        Presentation(TIP_MOTION, Column("angle\nRMSE", ("mrad",), 1e3), "root mean square tracking error"),
+    )
+)
+register_metric(
     Metric(
         "orientation_mean_error",
         ("rad",),
         "mean over time of the norm of the errors of α and β",
         _FIELDS,
-        lambda r: np.atleast_1d(mean_distance(*_orientations(r))),
-        "mean absolute error; times the duration, IAE",
-    ),
+        lambda r: mean_distance(*_orientations(r)),
+        Presentation(TIP_MOTION, known_as="mean absolute error; times the duration, IAE"),
+    )
+)
+register_metric(
     Metric(
         "orientation_maximum_error",
         ("rad",),
         "largest norm of the errors of α and β",
         _FIELDS,
-        lambda r: np.atleast_1d(maximum_distance(*_orientations(r))),
-        "orientation path accuracy (ISO 9283), taken at equal times and over both angles",
-    ),
+        lambda r: maximum_distance(*_orientations(r)),
+        Presentation(
+            TIP_MOTION,
+            known_as="orientation path accuracy (ISO 9283), taken at equal times and over both angles",
+        ),
+    )
+)
+register_metric(
     Metric(
         "position_settling_time",
         ("s",),
         "when the tip is within 2 % of its first distance to the goal (at least 0.2 mm) for good;"
         " constant references",
         _FIELDS,
-        lambda r: np.atleast_1d(position_settling_time(r.time, *_positions(r))),
-        "position stabilization time (ISO 9283), with the band of step responses",
-    ),
+        lambda r: position_settling_time(r.time, *_positions(r)),
+        Presentation(
+            TIP_MOTION,
+            Column("set-\ntling\ntime", ("s",)),
+            "position stabilization time (ISO 9283), with the band of step responses",
+        ),
+    )
+)
+register_metric(
     Metric(
         "position_overshoot",
         ("%",),
         "largest excess beyond the goal along the line from start to goal, over their distance"
         " (above 0.2 mm); constant references",
         _FIELDS,
-        lambda r: np.atleast_1d(position_overshoot(*_positions(r))),
-        "position overshoot (ISO 9283), as a share of the distance",
-    ),
+        lambda r: position_overshoot(*_positions(r)),
+        Presentation(
+            TIP_MOTION,
+            Column("over-\nshoot", ("%",)),
+            "position overshoot (ISO 9283), as a share of the distance",
+        ),
+    )
+)
+register_metric(
     Metric(
         "position_steady_state_error",
         ("m",),
         "norm of the tip's mean position error over the last tenth; on references that rest there",
         _FIELDS,
-        lambda r: np.atleast_1d(position_steady_state_error(*_positions(r))),
-        "positioning accuracy (ISO 9283), with a mean over time instead of over repetitions",
-    ),
+        lambda r: position_steady_state_error(*_positions(r)),
+        Presentation(
+            TIP_MOTION,
+            Column("steady-\nstate\nerror", ("mm",), 1e3),
+            "positioning accuracy (ISO 9283), with a mean over time instead of over repetitions",
+        ),
+    )
 )
 
-MODEL_METRICS: tuple[Metric, ...] = (
+register_metric(
     Metric(
         "model_position_rmse",
         ("m",),
         "root mean square of the tip's distance to the reference model that the contact force drives",
         _MODEL_FIELDS,
-        lambda r: np.atleast_1d(root_mean_square_distance(*_poses(r, "model_pose", _POSITION))),
-        "model-following error",
-    ),
+        lambda r: root_mean_square_distance(*_poses(r, "model_pose", _POSITION)),
+        Presentation(REFERENCE_MODEL, Column("model\nerror", ("mm",), 1e3), "model-following error"),
+    )
+)
+register_metric(
     Metric(
         "model_orientation_rmse",
         ("rad",),
         "root mean square of the norm of the differences in α and β to the reference model",
         _MODEL_FIELDS,
-        lambda r: np.atleast_1d(root_mean_square_distance(*_poses(r, "model_pose", _ORIENTATION))),
-        "model-following error",
-    ),
+        lambda r: root_mean_square_distance(*_poses(r, "model_pose", _ORIENTATION)),
+        Presentation(REFERENCE_MODEL, Column("model\nerror", ("mrad",), 1e3), "model-following error"),
+    )
+)
+register_metric(
     Metric(
         "model_position_mean_error",
         ("m",),
         "mean over time of the tip's distance to the reference model",
         _MODEL_FIELDS,
-        lambda r: np.atleast_1d(mean_distance(*_poses(r, "model_pose", _POSITION))),
-        "model-following error",
-    ),
+        lambda r: mean_distance(*_poses(r, "model_pose", _POSITION)),
+        Presentation(REFERENCE_MODEL, known_as="model-following error"),
+    )
+)
+register_metric(
     Metric(
         "model_orientation_mean_error",
         ("rad",),
         "mean over time of the norm of the differences in α and β to the reference model",
         _MODEL_FIELDS,
-        lambda r: np.atleast_1d(mean_distance(*_poses(r, "model_pose", _ORIENTATION))),
-        "model-following error",
-    ),
+        lambda r: mean_distance(*_poses(r, "model_pose", _ORIENTATION)),
+        Presentation(REFERENCE_MODEL, known_as="model-following error"),
+    )
+)
+register_metric(
     Metric(
         "model_maximum_error",
         ("m",),
         "largest distance of the tip to the reference model",
         _MODEL_FIELDS,
-        lambda r: np.atleast_1d(maximum_distance(*_poses(r, "model_pose", _POSITION))),
-        "peak model-following error",
-    ),
+        lambda r: maximum_distance(*_poses(r, "model_pose", _POSITION)),
+        Presentation(REFERENCE_MODEL, known_as="peak model-following error"),
+    )
 )

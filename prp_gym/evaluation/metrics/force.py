@@ -6,7 +6,9 @@ Forces are by the tip on the surface, in the world frame [N].
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.evaluation.metric import Metric
+from prp_gym.evaluation.column import Column
+from prp_gym.evaluation.metric import Metric, MetricGroup, Presentation
+from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import (
     SETTLING_BAND,
     is_constant,
@@ -17,6 +19,9 @@ from prp_gym.evaluation.response import (
 )
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+
+DESIRED_FORCE = MetricGroup("Desired force", 14.0)
+CONTACT = MetricGroup("Contact", 15.0)
 
 CONTACT_THRESHOLD = 1e-6
 """Force from which the tip touches [N]: a micrometre into a surface of 1 N/m, and above all rounding."""
@@ -166,88 +171,111 @@ def _deviation_across(rollout: Rollout) -> Array:
 
 _FIELDS = ("contact_force", "desired_force")
 
-FORCE_METRICS: tuple[Metric, ...] = (
+register_metric(
     Metric(
         "force_rmse",
         ("N",),
         "root mean square of the force error along the desired force",
         _FIELDS,
         lambda r: root_mean_square_error(*along_desired(*_forces(r))),
-        "root mean square tracking error",
-    ),
+        Presentation(DESIRED_FORCE, Column("force\nRMSE", ("N",)), "root mean square tracking error"),
+    )
+)
+register_metric(
     Metric(
         "force_mean_error",
         ("N",),
         "mean over time of the absolute force error along the desired force",
         _FIELDS,
         lambda r: mean_absolute_error(*along_desired(*_forces(r))),
-        "mean absolute error; times the duration, IAE",
-    ),
+        Presentation(DESIRED_FORCE, known_as="mean absolute error; times the duration, IAE"),
+    )
+)
+register_metric(
     Metric(
         "surface_mean_error",
         ("m",),
         "mean over time of the tip's distance to the desired position, across the desired force",
         ("end_effector_pose", "desired_pose", "desired_force"),
-        lambda r: np.atleast_1d(_deviation_across(r)),
-        "mean absolute error; times the duration, IAE",
-    ),
+        lambda r: _deviation_across(r),
+        Presentation(DESIRED_FORCE, known_as="mean absolute error; times the duration, IAE"),
+    )
+)
+register_metric(
     Metric(
         "steady_state_force_error",
         ("N",),
         "mean over the last tenth of the desired force less the force along it; where it is constant there",
         _FIELDS,
         lambda r: steady_state_error(*along_desired(*_forces(r))),
-        "steady-state error",
-    ),
+        Presentation(DESIRED_FORCE, Column("final\nforce\nerror", ("N",)), "steady-state error"),
+    )
+)
+register_metric(
     Metric(
         "force_settling_time",
         ("s",),
         "from the first touch until the force along the desired one is within 2 % of it for good;"
         " constant desired forces",
         _FIELDS,
-        lambda r: np.atleast_1d(force_settling_time(r.time, *_forces(r))),
-        "settling time of a step response",
-    ),
+        lambda r: force_settling_time(r.time, *_forces(r)),
+        Presentation(
+            DESIRED_FORCE, Column("force\nset-\ntling\ntime", ("s",)), "settling time of a step response"
+        ),
+    )
+)
+register_metric(
     Metric(
         "force_overshoot",
         ("%",),
         "largest excess of the force along the desired one over it; constant desired forces",
         _FIELDS,
-        lambda r: np.atleast_1d(force_overshoot(*_forces(r))),
-        "overshoot of a step response",
-    ),
+        lambda r: force_overshoot(*_forces(r)),
+        Presentation(DESIRED_FORCE, known_as="overshoot of a step response"),
+    )
 )
 
-CONTACT_METRICS: tuple[Metric, ...] = (
+register_metric(
     Metric(
         "peak_force",
         ("N",),
         "largest norm of the contact force",
         ("contact_force",),
-        lambda r: np.atleast_1d(peak_force(r.fields["contact_force"])),
-    ),
+        lambda r: peak_force(r.fields["contact_force"]),
+        Presentation(CONTACT, Column("peak\nforce", ("N",))),
+    )
+)
+register_metric(
     Metric(
         "contact_losses",
         ("1",),
         "how often the tip leaves the surface (force at most 1e-6 N) after it has touched, a wanted retreat"
         " included",
         ("contact_force",),
-        lambda r: np.atleast_1d(contact_losses(r.fields["contact_force"])),
-    ),
+        lambda r: contact_losses(r.fields["contact_force"]),
+        Presentation(CONTACT, Column("con-\ntact\nlost", ("1",))),
+    )
+)
+register_metric(
     Metric(
         "force_violation",
         ("%",),
         "share of steps at which the norm of the contact force is beyond the task's bound",
         ("cost_force_bound",),
-        lambda r: np.atleast_1d(100.0 * r.info["cost_force_bound"].mean()),
-    ),
+        lambda r: 100.0 * r.info["cost_force_bound"].mean(),
+        Presentation(CONTACT),
+    )
+)
+register_metric(
     Metric(
         "injected_energy",
         ("J",),
         "max(0, -min E) of E(t) = ∫ h_eᵀ(ẋ_d - ẋ) dt: what the arm gave away at its tip, relative to its"
         " moving reference, beyond what it had received there; 0 if it is passive from rest",
         ("contact_force", "desired_velocity", "end_effector_velocity"),
-        lambda r: np.atleast_1d(_injected_energy(r)),
-        "passivity observer (Hannaford 2002)",
-    ),
+        lambda r: _injected_energy(r),
+        Presentation(
+            CONTACT, Column("in-\njected\nenergy", ("mJ",), 1e3), "passivity observer (Hannaford 2002)"
+        ),
+    )
 )
