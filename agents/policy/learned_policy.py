@@ -1,6 +1,6 @@
 """`LearnedPolicy`: a trained agent with Stable-Baselines3's `predict`, in numpy alone."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -26,7 +26,10 @@ class LearnedPolicy:
         card: what it is, and how it came about.
         normalizer: of its features.
         network: from normalised features to actions.
+        batched: `predict` also takes several observations at once.
     """
+
+    batched: ClassVar[bool] = True
 
     def __init__(self, card: AgentCard, normalizer: Normalizer, network: Network) -> None:
         self.card = card

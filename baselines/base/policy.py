@@ -119,6 +119,7 @@ class Baseline(ABC, Generic[SettingsT]):
         settings_class: of its settings.
         rendered: settings that take the task's target impedance, with gain sets declared to do so.
         integrators: which arrays of the state stand still while an actuator is at its limit.
+        batched: `predict` also takes several observations at once.
         settings: of the controller, every vector at its full length.
         model: the robot with which the controller computes.
         references: what is desired, in joint or operational space.
@@ -133,6 +134,7 @@ class Baseline(ABC, Generic[SettingsT]):
     settings_class: ClassVar[type[Settings]]
     rendered: ClassVar[tuple[str, ...]] = ()
     integrators: ClassVar[tuple[int, ...]] = ()
+    batched: ClassVar[bool] = True
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
         missing = self.missing_fields(interface.layout)

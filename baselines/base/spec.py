@@ -113,6 +113,12 @@ class ControllerSpec:
         """Fields that the controller reads and that an environment's observations do not have."""
         return self.policy.missing_fields(layout)
 
+    def make(self, env: Any) -> Baseline[Any]:
+        """A policy for an environment with the gain set `tuned`; see `make_baseline`."""
+        from prp_gym.baselines.base.make import make_baseline  # which knows this class
+
+        return make_baseline(self, env)
+
 
 CONTROLLERS: Registry[ControllerSpec] = Registry("baseline", "prp_gym.baselines")
 """The declared controllers by name."""

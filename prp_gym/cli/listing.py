@@ -10,6 +10,7 @@ from rich.table import Table
 from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
+from prp_gym.cli.options import Plugins
 from prp_gym.cli.terminal import make_console, make_matrix
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.tasks.fields import ObservationLayout
@@ -20,6 +21,7 @@ from prp_gym.tasks.spec import TASKS
 def list_command(
     matrix: Annotated[bool, typer.Option("--matrix", help="Show which law runs where, and why not.")] = False,
     modes: Annotated[bool, typer.Option("--modes", help="Show what actions can mean, and where.")] = False,
+    plugin: Plugins = None,
 ) -> None:
     """Show environments, laws and scenarios, or which law runs where, or what actions can mean."""
     console = make_console()
