@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from prp_gym.action_modes.catalogue import list_action_modes
 
 from prp_gym import evaluate, list_agents, list_envs, load_agent
+from prp_gym.action_modes import list_action_modes
 from prp_gym.agents.policy.agent_file import CARD, TENSORS, TRAINED, list_seeds
 from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.shipped import ShippedGroup, read_groups
