@@ -20,7 +20,7 @@ HEAVY = ("rich", "typer", "torch", "stable_baselines3", "matplotlib", "mujoco", 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
 NAMES = (
     *("PRPArm", "PRPError", "RobotParameters", "evaluate", "list_baselines", "list_envs", "make_baseline"),
-    *("make_sb3_vec_env", "list_agents", "load_agent"),
+    *("make_sb3_vec_env", "list_agents", "load_agent", "register_algorithm"),
 )
 
 

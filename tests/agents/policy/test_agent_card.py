@@ -73,6 +73,9 @@ def saved(tmp_path: Path) -> Path:
         (put("network", "hidden", value=[4, 4]), "tensors missing or not on the card: layer_2.bias"),
         (put("network", "memory", value=[10**12]), "tensors missing or not on the card: lstm_0.bias"),
         (put("run", "command", value="\ud800"), "is not a JSON file"),
+        (put("interface", "environment_revision", value=0), "environment_revision is 0; allowed: a whole"),
+        (put("interface", "environment_revision", value="1"), "revision' is '1'; expected a whole number"),
+        (put("interface", "environment_revision", value=True), "is True; expected a whole number"),
     ],
 )
 def test_card_with_another_key_or_value_is_refused(

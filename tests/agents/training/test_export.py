@@ -130,6 +130,14 @@ def test_card_says_what_model_and_facts_know() -> None:
     assert {"python", "prp-gym", "stable-baselines3", "sb3-contrib", "numpy", "mujoco"} <= set(card.versions)
 
 
+def test_card_stores_the_present_revision_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    source, policy = made("PPO")
+    assert policy.card.interface.environment_revision == 1
+    monkeypatch.setattr("prp_gym.agents.training.export.environment_revision", {ID: 4}.__getitem__)
+    exported = export_agent(source.model, source.normalizer, facts())
+    assert exported.card.interface.environment_revision == 4
+
+
 class Halving(BaseFeaturesExtractor):
     """Half of each feature."""
 
