@@ -21,7 +21,7 @@ from tests.support.agent_files import POLICY, put, refusal, rewrite
 from tests.support.made_up_agents import ID
 from tests.support.training_runs import tiny_job
 
-PAYLOAD = "module_that_leaves_a_mark"
+PAYLOAD = "module_that_writes_a_file"
 FOREIGN_ID = f"{PAYLOAD}:{ID}"
 CODE = [
     ("action_modes", f"{PAYLOAD}:make"),
@@ -31,9 +31,9 @@ CODE = [
 
 
 @pytest.fixture(autouse=True)
-def mark(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def marker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Path of a file that a module, which can be imported, writes as soon as it is imported."""
-    path = tmp_path / "mark"
+    path = tmp_path / "marker"
     code = (
         f"from pathlib import Path\nPath({str(path)!r}).touch()\ndef make(*_, **__):\n    raise RuntimeError"
     )
@@ -50,24 +50,24 @@ def saved(tmp_path: Path) -> Path:
     return tmp_path / "agent"
 
 
-def test_module_leaves_its_mark_where_it_is_imported(mark: Path) -> None:
+def test_module_writes_its_file_when_it_is_imported(marker: Path) -> None:
     __import__(PAYLOAD)
-    assert mark.exists()
+    assert marker.exists()
 
 
-def test_card_with_an_id_that_imports_a_module_is_refused(saved: Path, mark: Path) -> None:
+def test_card_with_an_id_that_imports_a_module_is_refused(saved: Path, marker: Path) -> None:
     rewrite(saved, put("interface", "environment_id", value=FOREIGN_ID))
     assert f"key 'card.interface': unknown environment '{FOREIGN_ID}'" in refusal(saved)
-    assert not mark.exists()
+    assert not marker.exists()
 
 
 @pytest.mark.parametrize(("keyword", "value"), CODE[:2])
 def test_card_with_a_keyword_that_imports_a_module_is_refused(
-    saved: Path, mark: Path, keyword: str, value: str
+    saved: Path, marker: Path, keyword: str, value: str
 ) -> None:
     rewrite(saved, put("interface", "keywords", keyword, value=value))
     assert f"key 'card.interface': unknown keyword of environment '{ID}' '{keyword}'" in refusal(saved)
-    assert not mark.exists()
+    assert not marker.exists()
 
 
 @pytest.mark.parametrize(
@@ -88,17 +88,17 @@ def test_misspelt_id_of_a_card_is_refused_with_the_nearest(saved: Path) -> None:
 
 @pytest.mark.parametrize(("keyword", "value"), CODE)
 def test_recipe_with_a_keyword_that_imports_a_module_is_refused(
-    tmp_path: Path, mark: Path, keyword: str, value: Any
+    tmp_path: Path, marker: Path, keyword: str, value: Any
 ) -> None:
     recipes = tmp_path / "own.yml"
     entry = {"n_timesteps": 1, "n_envs": 1, "policy": "MlpPolicy", "env_kwargs": {keyword: value}}
     recipes.write_text(yaml.safe_dump({"default": entry}), encoding="utf-8")
     with pytest.raises(UnknownNameError, match=f"unknown keyword of environment '{ID}' '{keyword}'"):
         load_recipe("ppo", ID, config=recipes)
-    assert not mark.exists()
+    assert not marker.exists()
 
 
-def test_recipe_for_an_id_that_imports_a_module_is_refused(tmp_path: Path, mark: Path) -> None:
+def test_recipe_for_an_id_that_imports_a_module_is_refused(tmp_path: Path, marker: Path) -> None:
     recipes = tmp_path / "own.yml"
     recipes.write_text(yaml.safe_dump({FOREIGN_ID: {"n_envs": 1}}), encoding="utf-8")
     for environment_id, config in ((FOREIGN_ID, None), (ID, recipes)):
@@ -106,13 +106,15 @@ def test_recipe_for_an_id_that_imports_a_module_is_refused(tmp_path: Path, mark:
             load_recipe("ppo", environment_id, config=config)
     with pytest.raises(UnknownNameError, match="unknown environment"):
         replace(load_recipe("ppo", ID), environment_id=FOREIGN_ID)
-    assert not mark.exists()
+    assert not marker.exists()
 
 
 @pytest.mark.parametrize(
     ("key", "value"), [("environment", FOREIGN_ID), ("env_kwargs", {"action_modes": f"{PAYLOAD}:make"})]
 )
-def test_altered_settings_of_a_run_import_no_module(tmp_path: Path, mark: Path, key: str, value: Any) -> None:
+def test_altered_settings_of_a_run_import_no_module(
+    tmp_path: Path, marker: Path, key: str, value: Any
+) -> None:
     job = tiny_job(tmp_path / "run")
     train(job)
     config = job.folder / "config.yml"
@@ -120,7 +122,7 @@ def test_altered_settings_of_a_run_import_no_module(tmp_path: Path, mark: Path, 
     config.write_text(yaml.safe_dump({**content, key: value}), encoding="utf-8")
     with pytest.raises(UnknownNameError):
         export_run(job.folder)
-    assert not mark.exists()
+    assert not marker.exists()
 
 
 @pytest.mark.parametrize("environment_id", list_envs())

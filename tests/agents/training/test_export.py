@@ -68,7 +68,7 @@ def test_memory_is_that_of_stable_baselines_over_steps_and_episodes(layers: int)
         action, ours = policy.predict(batch, ours, start)
         np.testing.assert_allclose(action, expected, rtol=0, atol=SAME)
         forgetful.append(np.max(np.abs(policy.predict(batch)[0] - expected)))
-    assert min(forgetful[1:]) > 100 * SAME  # what it remembers matters
+    assert min(forgetful[1:]) > 100 * SAME  # the recurrent state matters
     single, _ = policy.predict(batch[0], tuple(part[0] for part in ours), np.array([False]))
     np.testing.assert_allclose(single, policy.predict(batch, ours)[0][0], rtol=0, atol=SAME)
 
