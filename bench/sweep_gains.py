@@ -22,7 +22,7 @@ from rich.table import Table
 
 import prp_gym
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import PRPError, UnknownNameError
 from prp_gym.robot.arrays import Array
 

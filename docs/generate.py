@@ -5,9 +5,7 @@ A test fails when a committed page differs from what this module would write.
 
 import dataclasses
 import inspect
-import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +15,13 @@ import typer
 from docs.action_modes_page import action_modes_page, modes_of
 from docs.metrics_page import metrics_page
 from docs.tables import NOTE, numbers, table
-from prp_gym.baselines import BASELINES, list_baselines
+from prp_gym.baselines import CONTROLLERS, list_baselines
 from prp_gym.cli.main import app
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
-from prp_gym.envs.base.data import load_scenario
-from prp_gym.registration import ENVIRONMENTS
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tasks.spec import TASKS
 
 _CONTACT_DRAWS = (
     "\n`contact` is the joint position at the first touch (rad, m, rad); the surface lies across the slide's"
@@ -38,7 +36,7 @@ FOLDER = Path(__file__).parent
 def environments_page() -> str:
     """Ids, keywords, scenarios, and a data sheet of every environment."""
     parts = [NOTE, "# Environments\n"]
-    parts.append(table(("id", "task"), ((f"`{entry.id}`", entry.summary) for entry in ENVIRONMENTS)))
+    parts.append(table(("id", "task"), ((f"`{entry.id}`", entry.summary) for entry in TASKS.values())))
     parts.append("\n## Keywords of every environment\n")
     parts.append(_keywords(EnvConfig))
     parts.append("\n## Scenarios\n")
@@ -52,14 +50,14 @@ def environments_page() -> str:
         " over the actuator limits `env.unwrapped.torque_limit` [N·m, N, N·m]. What is beyond ±1 is clipped;"
         " torques that are so are counted in `info`. NaN, infinity and another shape raise an error.\n"
     )
-    for entry in ENVIRONMENTS:
+    for entry in TASKS.values():
         parts.append(_data_sheet(gymnasium.make(entry.id).unwrapped, entry.id))
     return "\n".join(parts)
 
 
 def _layouts() -> list[tuple[str, ObservationLayout]]:
     """What every environment observes, with its id."""
-    made = [(entry.id, gymnasium.make(entry.id)) for entry in ENVIRONMENTS]
+    made = [(entry.id, gymnasium.make(entry.id)) for entry in TASKS.values()]
     return [(name, env.get_wrapper_attr("observation_layout")) for name, env in made]
 
 
@@ -88,9 +86,10 @@ def _vector_keywords() -> str:
 def _data_sheet(env: Any, environment_id: str) -> str:
     if not isinstance(env, PRPEnv):
         raise TypeError(f"{environment_id} is not an environment of this suite")
-    parts = [f"\n## {environment_id}\n", inspect.getdoc(type(env)) or "", ""]
-    if dataclasses.fields(env.options_class):
-        parts += ["### Keywords of its own\n", _keywords(env.options_class)]
+    parts = [f"\n## {environment_id}\n", _sheet_text(env), ""]
+    options = env.task_spec.entry.options
+    if dataclasses.fields(options):
+        parts += ["### Keywords of its own\n", _keywords(options)]
     parts += ["### Observation\n", _observation(env)]
     parts += ["### Reward\n", _reward(env)]
     parts += ["### Info\n"]
@@ -113,6 +112,11 @@ def _data_sheet(env: Any, environment_id: str) -> str:
     modes = ", ".join(f"`{name}`" for name in modes_of(env.observation_layout))
     parts.append(f"Action modes: {modes}.\n")
     return "\n".join(parts)
+
+
+def _sheet_text(env: PRPEnv) -> str:
+    """The data sheet that stands in the docstring of the task's composition."""
+    return inspect.getdoc(env.task_spec.entry.compose) or ""
 
 
 def _constants(prefix: str, values: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -166,24 +170,21 @@ def _ranges(env: PRPEnv) -> str:
 
 
 def baselines_page() -> str:
-    """Every law with its equation, settings and gain sets."""
+    """Every controller with its equation, settings and gain sets."""
     parts = [NOTE, "# Baselines\n"]
-    parts.append(
-        table(
-            ("controller", "what it is"),
-            ((f"`{n}`", controller.summary) for n, controller in BASELINES.items()),
-        )
-    )
-    gains = tomllib.loads(files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8"))
-    for name, controller in BASELINES.items():
-        parts += [f"\n## {name}\n", inspect.getdoc(controller) or "", "\n### Settings\n"]
-        parts.append(_controller_settings(controller.settings_class))
-        parts += ["### Gain sets\n", _gain_sets(gains[name])]
+    rows = ((f"`{name}`", spec.summary) for name, spec in CONTROLLERS.items())
+    parts.append(table(("controller", "what it is"), rows))
+    for name, spec in CONTROLLERS.items():
+        parts += [f"\n## {name}\n", inspect.getdoc(spec.policy) or "", "\n### Settings\n"]
+        parts.append(_controller_settings(spec.settings_class))
+        inputs = ", ".join(f"`{item}`" for item in spec.command_inputs) or "none"
+        parts.append(f"Command inputs that [action modes](action_modes.md) may drive: {inputs}.\n")
+        parts += ["### Gain sets\n", _gain_sets(spec.data.gains)]
     return "\n".join(parts)
 
 
 def _controller_settings(settings: type[Any]) -> str:
-    """A table of a law's settings, the inherited ones last."""
+    """A table of a controller's settings, the inherited ones last."""
     meanings: dict[str, str] = {}
     for declaration in settings.__mro__:
         text = vars(declaration).get("__doc__") or ""
@@ -213,7 +214,7 @@ def _attributes(text: str, heading: str = "Attributes") -> dict[str, str]:
     return described
 
 
-def _gain_sets(sets: dict[str, Any]) -> str:
+def _gain_sets(sets: Mapping[str, Mapping[str, Any]]) -> str:
     rows = []
     for name, values in sets.items():
         shared = {key: value for key, value in values.items() if not isinstance(value, dict)}
@@ -230,7 +231,7 @@ def _value(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _settings(values: dict[str, Any]) -> str:
+def _settings(values: Mapping[str, Any]) -> str:
     return "; ".join(f"{key} {_value(value)}" for key, value in values.items() if key != "source")
 
 

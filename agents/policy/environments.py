@@ -2,16 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
-from typing import Any
-
-from gymnasium.envs.registration import load_env_creator
 
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import UnknownNameError
-from prp_gym.registration import ENVIRONMENTS, EnvironmentEntry
-
-_NOT_FOR_FILES = frozenset(("action_modes",))
-"""Keywords that would import code that a file names."""
+from prp_gym.tasks.spec import TASKS
 
 
 def declared_keywords(environment_id: str) -> frozenset[str]:
@@ -23,10 +17,8 @@ def declared_keywords(environment_id: str) -> frozenset[str]:
     Raises:
         UnknownNameError: an id that is not registered.
     """
-    declared: Any = load_env_creator(_find(environment_id).entry_point)
-    options: type[Any] = declared.options_class
-    names = {entry.name for kind in (EnvConfig, options) for entry in fields(kind)}
-    return frozenset(names) - _NOT_FOR_FILES
+    options = TASKS.find(environment_id).entry.options
+    return frozenset(entry.name for kind in (EnvConfig, options) for entry in fields(kind))
 
 
 def check_environment(environment_id: str, keywords: Mapping[str, object]) -> None:
@@ -51,12 +43,4 @@ def environment_revision(environment_id: str) -> int:
     Raises:
         UnknownNameError: an id that is not registered.
     """
-    _find(environment_id)
-    return 1
-
-
-def _find(environment_id: object) -> EnvironmentEntry:
-    declared = {entry.id: entry for entry in ENVIRONMENTS}
-    if not isinstance(environment_id, str) or environment_id not in declared:
-        raise UnknownNameError("environment", environment_id, declared)
-    return declared[environment_id]
+    return TASKS.find(environment_id).revision

@@ -1,6 +1,6 @@
 """`LearnedPolicy`: a trained agent with the `predict` method of Stable-Baselines3, computed in numpy."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -26,7 +26,10 @@ class LearnedPolicy:
         card: description of the agent.
         normalizer: normaliser of the features.
         network: network that maps normalised features to actions.
+        batched: whether `predict` also takes several observations at once; True.
     """
+
+    batched: ClassVar[bool] = True
 
     def __init__(self, card: AgentCard, normalizer: Normalizer, network: Network) -> None:
         self.card = card

@@ -12,7 +12,7 @@ from prp_gym.agents.sb3.arguments import constructor_arguments
 from prp_gym.agents.sb3.packages import require
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normalize", "env_kwargs"))
 _MODES = "action_modes"

@@ -14,9 +14,10 @@ from prp_gym.agents.policy.agent_card import TrainingRecord
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import AgentFacts, export_agent, identity_normalizer
+from prp_gym.cli.options import Plugins
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
 from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.registration import list_envs
 
 
 def export_command(
@@ -34,6 +35,7 @@ def export_command(
     trust: Annotated[
         bool, typer.Option("--trust", help="Open the files, and run whatever code is in them.")
     ] = False,
+    plugin: Plugins = None,
 ) -> None:
     """Convert a model of Stable-Baselines3 into an agent's files, which hold no code.
 

@@ -1,1 +1,1 @@
-"""Comparison: classical laws and learned agents on the same episodes, with the same statistics."""
+"""Comparison: classical controllers and learned agents on the same episodes, with the same statistics."""

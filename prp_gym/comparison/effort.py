@@ -1,7 +1,7 @@
-"""What learning costs: how long until a policy is as good as the best law, and what it breaks meanwhile.
+"""Learning effort: how long until a policy is as good as the best controller, and with how many violations.
 
-Histories are those of training or tuning, on episodes and in a scenario of their own: the score that is to
-be reached is the best law's in that same scenario.
+Histories are those of training or tuning, on episodes and in a scenario of their own. The score to be reached
+is that of the best controller in the same scenario.
 """
 
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ _MINUTE = 60.0  # s
 
 @dataclass(frozen=True)
 class Reach:
-    """When a history first has a score; infinite if it never does.
+    """When a history first reaches a score; infinite if it never does.
 
     Attributes:
-        steps: of the environment.
-        simulated_seconds: in these steps [s].
-        wall_minutes: that they took [min]; NaN if not measured.
+        steps: number of environment steps.
+        simulated_seconds: simulated time of these steps [s].
+        wall_minutes: wall time of these steps [min]; NaN if it was not measured.
     """
 
     steps: float
@@ -38,7 +38,7 @@ def first_reach(history: History, goal: float) -> Reach:
 
     Args:
         history: of training or tuning.
-        goal: the score [1].
+        goal: score to be reached [1].
     """
     there = np.flatnonzero(history.score >= goal)
     if not there.size:
@@ -50,20 +50,20 @@ def first_reach(history: History, goal: float) -> Reach:
 
 @dataclass(frozen=True)
 class Effort:
-    """What a policy needed to be as good as the best law.
+    """How much training or tuning a policy needed to be as good as the best controller.
 
     Attributes:
-        environment_id: of the environment.
-        scenario: in which it was trained or tuned.
-        policy: its name.
+        environment_id: id of the environment.
+        scenario: in which the policy was trained or tuned.
+        policy: name of the policy.
         kind: `agent` or `budget`.
-        goal: the best law's score there [1].
-        best: of the histories' scores, the median over training seeds of the highest [1].
-        members: how many were trained, training seeds.
-        reached: how many of them reached the goal.
-        reach: the median over them, infinite if at least half of them never did.
-        budget_seconds: of simulated time in all, the median [s].
-        violations: during training in all, the median; NaN if not counted.
+        goal: score of the best controller in that scenario [1].
+        best: median over training seeds of the highest score of each history [1].
+        members: number of training seeds.
+        reached: number of training seeds that reached the goal.
+        reach: median over the training seeds, infinite if at least half of them never reached the goal.
+        budget_seconds: median of the total simulated time [s].
+        violations: median of the total number of violations during training; NaN if they were not counted.
     """
 
     environment_id: str
@@ -80,25 +80,27 @@ class Effort:
 
 
 def learning_efforts(conditions: Sequence[Condition]) -> list[Effort]:
-    """Efforts of all agents and equal-budget laws, each once.
+    """Learning efforts of all agents and equal-budget controllers, each once.
 
-    A policy that learned in a scenario without a law among the places has no goal and is left out.
+    A policy that learned in a scenario for which no controller is compared has no goal and is left out.
 
     Args:
         conditions: with their policies.
     """
     goals = {}
-    for place in conditions:
-        controllers = place.of_kind(*CLASSICAL)
+    for condition in conditions:
+        controllers = condition.of_kind(*CLASSICAL)
         if controllers:
-            goals[place.environment_id, place.scenario] = score_of(best_of(controllers))
+            goals[condition.environment_id, condition.scenario] = score_of(best_of(controllers))
     efforts = {}
-    for place in conditions:
-        for entry in place.of_kind(AGENT, BUDGET):
+    for condition in conditions:
+        for entry in condition.of_kind(AGENT, BUDGET):
             scenario = entry.histories[0].scenario if entry.histories else ""
-            if (place.environment_id, scenario) in goals:
-                goal = goals[place.environment_id, scenario]
-                efforts[place.environment_id, entry.policy] = _effort(place.environment_id, entry, goal)
+            if (condition.environment_id, scenario) in goals:
+                goal = goals[condition.environment_id, scenario]
+                efforts[condition.environment_id, entry.policy] = _effort(
+                    condition.environment_id, entry, goal
+                )
     return list(efforts.values())
 
 

@@ -1,4 +1,4 @@
-"""Learning curves: score against simulated time, agents and tuned laws beside the best law."""
+"""Learning curves: score against simulated time, of agents and tuned controllers, and the best controller."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -20,10 +20,10 @@ _DASHES = ("-", "--", ":")
 
 
 def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
-    """Scores of several training seeds at common times, those between two points of a curve interpolated.
+    """Scores of several training seeds at common times, interpolated linearly.
 
     Args:
-        histories: one a training seed.
+        histories: one for each training seed.
 
     Returns:
         simulated time (n) [s] within the span that all of them cover, and scores (training seeds, n).
@@ -37,11 +37,11 @@ def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
 
 
 def draw_learning(conditions: Sequence[Condition]) -> bytes:
-    """Score against simulated time, a panel an environment and scenario of training.
+    """Score against simulated time, one panel for each environment and scenario of training.
 
-    A line is the median over training seeds, its band their range; a law that was tuned is a staircase, the
-    best law a horizontal line. Scores are those of held-out episodes of a training, or of the episodes of a
-    tuning.
+    A line is the median over training seeds and its band their range. A tuned controller is a staircase, the
+    best controller a horizontal line. Scores are those of the held-out episodes of training, or of the
+    episodes of tuning.
     """
     panels = _panels(conditions)
     columns = min(_COLUMNS, len(panels))
@@ -49,9 +49,9 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
     figure = new_figure(max(5.2 * columns, 8.0), 4.0 * rows + 0.8)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     goals = {
-        (place.environment_id, place.scenario): score_of(best_of(place.of_kind(*CLASSICAL)))
-        for place in conditions
-        if place.of_kind(*CLASSICAL)
+        (condition.environment_id, condition.scenario): score_of(best_of(condition.of_kind(*CLASSICAL)))
+        for condition in conditions
+        if condition.of_kind(*CLASSICAL)
     }
     agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
     names = enumerate(dict.fromkeys(agents))
@@ -67,12 +67,12 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
 
 
 def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[Entry]]:
-    """What learned, once each, by environment and scenario of the training."""
+    """Trained and tuned policies, once each, by environment and scenario of training."""
     seen: dict[tuple[str, str], Entry] = {}
-    for place in conditions:
-        for entry in place.of_kind(AGENT, BUDGET):
+    for condition in conditions:
+        for entry in condition.of_kind(AGENT, BUDGET):
             if entry.histories:
-                seen[place.environment_id, entry.policy] = entry
+                seen[condition.environment_id, entry.policy] = entry
     panels: dict[tuple[str, str], list[Entry]] = {}
     for (environment_id, _), entry in seen.items():
         panels.setdefault((environment_id, entry.histories[0].scenario), []).append(entry)
@@ -82,7 +82,7 @@ def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[En
 def _draw_panel(
     axes: "Axes", entries: Sequence[Entry], colors: Mapping[str, str], goals: Sequence[float]
 ) -> dict[str, "Artist"]:
-    """Draw one panel; its lines by label."""
+    """Draw one panel; returns its lines by label."""
     lines: dict[str, Artist] = {}
     for entry in (entry for entry in entries if entry.kind == AGENT):
         time, scores = common_curve(entry.histories)
@@ -91,11 +91,11 @@ def _draw_panel(
         axes.fill_between(time, scores.min(axis=0), scores.max(axis=0), color=color, alpha=0.18, linewidth=0)
     for index, entry in enumerate(entry for entry in entries if entry.kind == BUDGET):
         history, style = entry.histories[0], _DASHES[index % len(_DASHES)]
-        time, label = history.simulated_seconds, "laws, tuned with a budget"
+        time, label = history.simulated_seconds, "controllers, tuned with equal budget"
         (line,) = axes.step(time, history.score, style, where="post", color=COLORS[BUDGET])
         lines.setdefault(label, line)
     for goal in goals:
-        lines["best law"] = axes.axhline(goal, color=COLORS[CONTROLLER], linestyle="-.", linewidth=1.3)
+        lines["best controller"] = axes.axhline(goal, color=COLORS[CONTROLLER], linestyle="-.", linewidth=1.3)
         axes.annotate(f"{goal:.3f}", (0.01, goal), xycoords=("axes fraction", "data"), va="top", fontsize=8)
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.02)

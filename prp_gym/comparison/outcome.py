@@ -1,4 +1,4 @@
-"""`Outcome`: all that a comparison finds, and how it is written."""
+"""`Outcome`: the findings of a comparison, and how they are written."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ from prp_gym.evaluation.results import to_plain
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a comparison finds.
+    """The findings of a comparison.
 
     Attributes:
         conditions: environments and scenarios with their policies.
-        pairwise_comparisons: the best law against the best agent, where there are both.
+        pairwise_comparisons: best controller against best agent, under conditions that have both.
         aggregates: families of policies over their tasks.
-        efforts: what learning cost.
-        audits: reward against physical error.
+        efforts: learning effort of the trained and tuned policies.
+        audits: reward against physical error, under conditions whose task declares one.
         seed: of every bootstrap.
     """
 
@@ -43,11 +43,11 @@ class Outcome:
         """From the records of a comparison, as its results hold them.
 
         Args:
-            records: one a policy, place and training seed.
+            records: one for each policy, condition and training seed.
             seed: of every bootstrap.
 
         Raises:
-            InvalidValueError: policies that did not meet the same episodes.
+            InvalidValueError: policies that were evaluated on different episodes.
         """
         conditions = group_conditions(records)
         return cls(
@@ -61,19 +61,19 @@ class Outcome:
 
     @property
     def spread(self) -> bool:
-        """Whether there are agents, which differ by training seed."""
-        return any(place.of_kind(AGENT) for place in self.conditions)
+        """Whether there are agents, whose scores are spread over training seeds."""
+        return any(condition.of_kind(AGENT) for condition in self.conditions)
 
     @property
     def learned(self) -> bool:
-        """Whether there is a policy whose training or tuning is known."""
-        return any(entry.histories for place in self.conditions for entry in place.entries)
+        """Whether the training or tuning of any policy is known."""
+        return any(entry.histories for condition in self.conditions for entry in condition.entries)
 
     def to_plain(self) -> dict[str, Any]:
-        """All of it but the records themselves, as strict JSON knows it."""
+        """The findings as strict JSON, without the records from which they follow."""
         plain: dict[str, Any] = to_plain(
             {
-                "scores": [row for place in self.conditions for row in self._scores(place)],
+                "scores": [row for condition in self.conditions for row in self._scores(condition)],
                 "pairwise_comparisons": [_pairwise(pairwise) for pairwise in self.pairwise_comparisons],
                 "aggregates": [_aggregate(item) for item in self.aggregates],
                 "efforts": self.efforts,
@@ -82,11 +82,11 @@ class Outcome:
         )
         return plain
 
-    def _scores(self, place: Condition) -> list[dict[str, Any]]:
+    def _scores(self, condition: Condition) -> list[dict[str, Any]]:
         return [
             {
-                "environment": place.environment_id,
-                "scenario": place.scenario,
+                "environment": condition.environment_id,
+                "scenario": condition.scenario,
                 "policy": entry.policy,
                 "kind": entry.kind,
                 "score": estimate_score(entry, self.seed)._asdict(),
@@ -94,7 +94,7 @@ class Outcome:
                 "training_spread": training_spread(entry),
                 "compute_time_per_step": entry.compute_time,
             }
-            for entry in place.entries
+            for entry in condition.entries
         ]
 
 

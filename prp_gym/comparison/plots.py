@@ -1,4 +1,4 @@
-"""Pictures of a comparison: performance profiles, scores by task, compute time against score."""
+"""Plots of a comparison: performance profiles, scores by task, compute time against score."""
 
 import io
 from collections.abc import Sequence
@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
-    BEST_BUDGET_LAW,
-    BEST_LAW,
+    BEST_BUDGET_CONTROLLER,
+    BEST_CONTROLLER,
     Aggregate,
     best_of,
     estimate_score,
     score_of,
 )
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, ZERO, Condition
+from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, KINDS, ZERO, Condition
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 COLORS = {CONTROLLER: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
 """Of the kinds of policies."""
 
-NAMES = {CONTROLLER: "controller", BUDGET: "law, equal budget", AGENT: "agent", ZERO: "no torque"}
 MODE_COLORS = (
     "#d1661f",
     "#5a9e3d",
@@ -44,7 +43,7 @@ _MICROSECONDS = 1e6
 
 
 def new_figure(width: float, height: float) -> "Figure":
-    """An empty figure without a window [inches]."""
+    """An empty figure without a window, of a width and height [inches]."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # on use: the package stays light
     from matplotlib.figure import Figure
 
@@ -54,22 +53,23 @@ def new_figure(width: float, height: float) -> "Figure":
 
 
 def to_png(figure: "Figure") -> bytes:
-    """The figure as a file."""
+    """The content of a PNG file of the figure."""
     target = io.BytesIO()
     figure.savefig(target, format="png", dpi=_DPI)
     return target.getvalue()
 
 
 def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
-    """Share of scores above each threshold, a panel a scenario, with pointwise 95 % bands."""
+    """Share of scores above each threshold, one panel for each scenario, with pointwise 95 % bands."""
     scenarios = list(dict.fromkeys(item.scenario for item in aggregates))
     shown = [item for item in aggregates if item.family != BEST_AGENT]
     families = list(dict.fromkeys(item.family for item in shown))
-    modes = [name for name in families if name not in (BEST_LAW, BEST_BUDGET_LAW)]
-    colors = {BEST_LAW: COLORS[CONTROLLER], BEST_BUDGET_LAW: COLORS[BUDGET]}
+    modes = [name for name in families if name not in (BEST_CONTROLLER, BEST_BUDGET_CONTROLLER)]
+    colors = {BEST_CONTROLLER: COLORS[CONTROLLER], BEST_BUDGET_CONTROLLER: COLORS[BUDGET]}
     colors |= {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in enumerate(modes)}
-    figure = new_figure(6.0 * len(scenarios), 5.5)
-    for axes, scenario in zip(figure.subplots(1, len(scenarios), squeeze=False)[0], scenarios, strict=True):
+    count = max(1, len(scenarios))  # without a family of policies the only panel stays empty
+    figure = new_figure(6.0 * count, 5.5)
+    for axes, scenario in zip(figure.subplots(1, count, squeeze=False)[0], scenarios, strict=False):
         for item in (item for item in shown if item.scenario == scenario):
             profile, color = item.profile, colors[item.family]
             label = f"{item.family} ({item.tasks} tasks)" if item.tasks > 1 else f"{item.family} (1 task)"
@@ -91,32 +91,37 @@ def draw_scores(conditions: Sequence[Condition], seed: int) -> bytes:
         conditions: with their policies.
         seed: of the bootstrap.
     """
-    scenarios = list(dict.fromkeys(place.scenario for place in conditions))
-    ids = list(dict.fromkeys(place.environment_id for place in conditions))
+    scenarios = list(dict.fromkeys(condition.scenario for condition in conditions))
+    ids = list(dict.fromkeys(condition.environment_id for condition in conditions))
     figure = new_figure(1.5 + 5.0 * len(scenarios), 1.8 + 0.62 * len(ids))
     rows = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
     for axes, scenario in zip(rows, scenarios, strict=True):
-        for place in (place for place in conditions if place.scenario == scenario):
-            _draw_place(axes, place, float(ids.index(place.environment_id)), seed)
+        for condition in (condition for condition in conditions if condition.scenario == scenario):
+            _draw_condition(axes, condition, float(ids.index(condition.environment_id)), seed)
         axes.set_yticks(range(len(ids)), [short_id(name) for name in ids])
         axes.set(title=f"scenario {scenario}", xlabel="score", xlim=(0.0, 1.02), ylim=(len(ids) - 0.5, -0.5))
         axes.grid(True, axis="x", color=GRID, linewidth=0.6)
         for line in range(1, len(ids)):
             axes.axhline(line - 0.5, color=GRID, linewidth=0.6)
-    _legend(figure, [kind for kind in COLORS if any(place.of_kind(kind) for place in conditions)])
+    _legend(figure, _kinds(conditions))
     return to_png(figure)
 
 
-def _draw_place(axes: "Axes", place: Condition, row: float, seed: int) -> None:
-    """One row: a line for each kind, the best of it with its interval."""
-    kinds = [kind for kind in COLORS if place.of_kind(kind)]
+def _draw_condition(axes: "Axes", condition: Condition, row: float, seed: int) -> None:
+    """One row with a line for each kind: its best policy with the interval, and the others."""
+    kinds = [kind for kind in COLORS if condition.of_kind(kind)]
     for kind, offset in zip(kinds, _offsets(len(kinds)), strict=True):
-        entries = place.of_kind(kind)
+        entries = condition.of_kind(kind)
         score, height = estimate_score(best_of(entries), seed), row + offset
         others = [score_of(entry) for entry in entries]
         axes.plot(others, [height] * len(others), "|", color=COLORS[kind], markersize=6, alpha=0.6)
         axes.plot([score.low, score.high], [height, height], color=COLORS[kind], linewidth=2.2)
         axes.plot([score.value], [height], _MARKERS[kind], color=COLORS[kind], markersize=6)
+
+
+def _kinds(conditions: Sequence[Condition]) -> list[str]:
+    """The kinds of policies that there are, in the order of their colours."""
+    return [kind for kind in COLORS if any(condition.of_kind(kind) for condition in conditions)]
 
 
 def _offsets(count: int) -> list[float]:
@@ -127,36 +132,35 @@ def _legend(figure: "Figure", kinds: Sequence[str]) -> None:
     from matplotlib.lines import Line2D
 
     handles = [
-        Line2D([], [], color=COLORS[kind], marker=_MARKERS[kind], linestyle="", label=NAMES[kind])
+        Line2D([], [], color=COLORS[kind], marker=_MARKERS[kind], linestyle="", label=KINDS[kind])
         for kind in kinds
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(kinds), frameon=False)
 
 
 def draw_compute(conditions: Sequence[Condition]) -> bytes:
-    """Compute time of an action against score, a point a policy and task, a panel a scenario."""
-    scenarios = list(dict.fromkeys(place.scenario for place in conditions))
+    """Score against compute time, one point for each policy and task, one panel for each scenario."""
+    scenarios = list(dict.fromkeys(condition.scenario for condition in conditions))
     figure = new_figure(6.0 * len(scenarios), 5.0)
     panels = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
-    kinds = [kind for kind in COLORS if kind != ZERO and any(place.of_kind(kind) for place in conditions)]
+    kinds = [kind for kind in _kinds(conditions) if kind != ZERO]
     for axes, scenario in zip(panels, scenarios, strict=True):
         for kind in kinds:
-            entries = [
-                item for place in conditions if place.scenario == scenario for item in place.of_kind(kind)
-            ]
+            shown = (condition for condition in conditions if condition.scenario == scenario)
+            entries = [entry for condition in shown for entry in condition.of_kind(kind)]
             times = [_MICROSECONDS * entry.compute_time for entry in entries]
             scores = [score_of(entry) for entry in entries]
             axes.plot(times, scores, _MARKERS[kind], color=COLORS[kind], markersize=5, alpha=0.65)
         _label_decades(axes)
-        axes.set(title=f"scenario {scenario}", xlabel="compute time of an action [µs]", ylim=(0.0, 1.02))
+        axes.set(title=f"scenario {scenario}", xlabel="compute time per action [µs]", ylim=(0.0, 1.02))
         axes.grid(True, which="both", color=GRID, linewidth=0.5)
-    panels[0].set_ylabel("score, a point a policy and task")
+    panels[0].set_ylabel("score (one point per policy and task)")
     _legend(figure, kinds)
     return to_png(figure)
 
 
 def _label_decades(axes: "Axes") -> None:
-    """A logarithmic axis of plain numbers at 1, 2 and 5."""
+    """Make the axis of x logarithmic, labelled at 1, 2 and 5 times the powers of ten."""
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     axes.set_xscale("log")

@@ -1,7 +1,7 @@
-"""Who is better: scores with intervals, the best law against the best agent, and all tasks together.
+"""Scores with intervals, the best controller against the best agent, and aggregates over tasks.
 
 The best of several policies is chosen on the episodes on which it is then compared; intervals do not
-account for that choice, which favours the side that has more policies to choose from.
+account for that choice, which favours the kind that has more policies to choose from.
 """
 
 import itertools
@@ -18,7 +18,13 @@ from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
 from prp_gym.robot.arrays import Array
 
 UNDECIDED = "-"
-BEST_LAW, BEST_BUDGET_LAW, BEST_AGENT = "best law", "best equal-budget law", "best agent"
+"""Verdict where the interval of the paired difference contains 0."""
+
+BEST_CONTROLLER, BEST_BUDGET_CONTROLLER, BEST_AGENT = (
+    "best controller",
+    "best equal-budget controller",
+    "best agent",
+)
 THRESHOLDS = np.linspace(0.0, 1.0, 101)
 """Scores at which performance profiles are taken."""
 
@@ -26,10 +32,11 @@ THRESHOLDS = np.linspace(0.0, 1.0, 101)
 def estimate_score(entry: Entry, seed: int) -> Estimate:
     """Interquartile mean of the score with a 95 % interval.
 
-    The interval is over episodes, and for agents over training seeds, too; these met the same episodes.
+    The interval is over the episodes, and for agents over the training seeds, too, all of which were
+    evaluated on the same episodes.
 
     Args:
-        entry: a policy at a place.
+        entry: a policy under a condition.
         seed: of the bootstrap.
     """
     rng = np.random.default_rng(seed)
@@ -44,7 +51,7 @@ def score_of(entry: Entry) -> float:
 
 
 def best_of(entries: Sequence[Entry]) -> Entry:
-    """The policy with the highest score; of equal ones the first."""
+    """The policy with the highest score, the first of equal ones."""
     return max(entries, key=score_of)
 
 
@@ -53,9 +60,9 @@ class Spread:
     """Scores of agents that differ in their training seed alone.
 
     Attributes:
-        median: over the training seeds, of each one's interquartile mean [1].
-        low: the worst training seed [1].
-        high: the best training seed [1].
+        median: over the training seeds, of the interquartile mean of each [1].
+        low: interquartile mean of the worst training seed [1].
+        high: interquartile mean of the best training seed [1].
     """
 
     median: float
@@ -64,23 +71,23 @@ class Spread:
 
 
 def training_spread(entry: Entry) -> Spread:
-    """Median and range over the rows of an entry."""
+    """Median and range of the score over the training seeds of an entry."""
     each = interquartile_mean(entry.scores)
     return Spread(float(np.median(each)), float(each.min()), float(each.max()))
 
 
 @dataclass(frozen=True)
 class PairwiseComparison:
-    """The best law against the best agent at a place.
+    """The best controller against the best agent under one condition.
 
     Attributes:
-        environment_id: of the place.
-        scenario: of the place.
-        controller: name of the best law of its kind.
+        environment_id: id of the environment.
+        scenario: name of the scenario.
+        controller: name of the best controller of its kind.
         agent: name of the best agent.
-        controller_score: its score.
-        agent_score: its score.
-        difference: agent less law, paired on the evaluation seeds [1].
+        controller_score: score of the controller.
+        agent_score: score of the agent.
+        difference: score of the agent less that of the controller, paired by evaluation seed [1].
         probability: that the agent is better on an evaluation seed, averaged over training seeds.
     """
 
@@ -103,37 +110,37 @@ class PairwiseComparison:
 
     @property
     def verdict(self) -> str:
-        """`agent` or `controller` where the interval of the paired difference leaves out 0, else `-`."""
+        """`agent` or `controller`, whichever is better; `-` if the paired difference may be 0."""
         if self.difference.low > 0.0:
             return AGENT
         return CONTROLLER if self.difference.high < 0.0 else UNDECIDED
 
 
 def compare_best(conditions: Iterable[Condition], seed: int) -> list[PairwiseComparison]:
-    """The best law of either kind against the best agent, at each place that has both.
+    """The best controller of each kind against the best agent, under every condition that has both.
 
-    A law with its own gains had as much tuning as its author gave it; one that was tuned with a budget had as
-    much as an agent.
+    A controller with its own gains has been tuned for as long as its author chose; one of equal budget with
+    as much simulated time as the training of an agent takes.
 
     Args:
         conditions: with their policies.
         seed: of the bootstrap.
     """
     pairwise_comparisons = []
-    for place, kind in itertools.product(conditions, CLASSICAL):
-        controllers, agents = place.of_kind(kind), place.of_kind(AGENT)
+    for condition, kind in itertools.product(conditions, CLASSICAL):
+        controllers, agents = condition.of_kind(kind), condition.of_kind(AGENT)
         if controllers and agents:
-            pairwise_comparisons.append(_compare(place, best_of(controllers), best_of(agents), seed))
+            pairwise_comparisons.append(_compare(condition, best_of(controllers), best_of(agents), seed))
     return pairwise_comparisons
 
 
-def _compare(place: Condition, controller: Entry, agent: Entry, seed: int) -> PairwiseComparison:
+def _compare(condition: Condition, controller: Entry, agent: Entry, seed: int) -> PairwiseComparison:
     rng = np.random.default_rng(seed)
     ours = {str(row): scores for row, scores in enumerate(agent.scores)}
     theirs = dict.fromkeys(ours, controller.scores[0])
     return PairwiseComparison(
-        place.environment_id,
-        place.scenario,
+        condition.environment_id,
+        condition.scenario,
         controller.policy,
         agent.policy,
         estimate_score(controller, seed),
@@ -149,12 +156,12 @@ class Aggregate:
     """A family of policies on all tasks that it has been trained or tuned for, in one scenario.
 
     Attributes:
-        scenario: of the environments.
-        family: the best law or agent of a kind on each task; agents also by what an action means.
-        tasks: how many.
+        scenario: name of the scenario.
+        family: the best policy of a kind on each task; agents also by action mode.
+        tasks: number of tasks.
         score: interquartile mean over the tasks of the interquartile mean on each.
-        reference: the same of the best law on the same tasks.
-        profile: share of scores above each threshold, each task weighing the same.
+        reference: the same for the best controller on the same tasks.
+        profile: share of scores above each threshold, with equal weights of the tasks.
     """
 
     scenario: str
@@ -166,16 +173,16 @@ class Aggregate:
 
 
 def aggregate_tasks(conditions: Sequence[Condition], seed: int) -> list[Aggregate]:
-    """Every family in every scenario over its tasks.
+    """Every family of policies over its tasks, in every scenario.
 
     Args:
         conditions: with their policies.
         seed: of the bootstrap.
     """
     found = []
-    for scenario in dict.fromkeys(place.scenario for place in conditions):
-        families = _families([place for place in conditions if place.scenario == scenario])
-        controllers = families.get(BEST_LAW, {})
+    for scenario in dict.fromkeys(condition.scenario for condition in conditions):
+        families = _families([condition for condition in conditions if condition.scenario == scenario])
+        controllers = families.get(BEST_CONTROLLER, {})
         for family, scores in families.items():
             found.append(
                 _aggregate(
@@ -186,20 +193,20 @@ def aggregate_tasks(conditions: Sequence[Condition], seed: int) -> list[Aggregat
 
 
 def _families(conditions: Sequence[Condition]) -> dict[str, dict[str, Array]]:
-    """Scores (rows, evaluation seeds) of the best of each family by environment."""
+    """Scores (rows, evaluation seeds) of the best policy of each family by environment."""
     families: dict[str, dict[str, Array]] = {}
-    for place in conditions:
-        agents = place.of_kind(AGENT)
+    for condition in conditions:
+        agents = condition.of_kind(AGENT)
         members = {
-            BEST_LAW: place.of_kind(CONTROLLER),
-            BEST_BUDGET_LAW: place.of_kind(BUDGET),
+            BEST_CONTROLLER: condition.of_kind(CONTROLLER),
+            BEST_BUDGET_CONTROLLER: condition.of_kind(BUDGET),
             BEST_AGENT: agents,
         }
         for mode in dict.fromkeys(entry.mode for entry in agents):
             members[f"{AGENT}, {mode}"] = [entry for entry in agents if entry.mode == mode]
         for family, entries in members.items():
             if entries:
-                families.setdefault(family, {})[place.environment_id] = best_of(entries).scores
+                families.setdefault(family, {})[condition.environment_id] = best_of(entries).scores
     return families
 
 

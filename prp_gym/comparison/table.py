@@ -10,7 +10,8 @@ from rich.table import Table
 from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
 from prp_gym.comparison.effort import Effort
 from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, estimate_score, training_spread
-from prp_gym.comparison.values import AGENT, VARIED, Condition, Entry
+from prp_gym.comparison.values import AGENT, KINDS, VARIED, ZERO, Condition, Entry
+from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table
 from prp_gym.robot.arrays import Array
@@ -22,12 +23,12 @@ _THOUSAND, _MILLION = 1e3, 1e6
 
 
 def short_id(environment_id: str) -> str:
-    """An environment's id without what all of them share."""
+    """An environment's id without the prefix and version of the suite's ids."""
     return environment_id.removeprefix("PRP-").removesuffix("-v0")
 
 
 def fold(name: str, width: int = _WIDEST_NAME) -> str:
-    """A name in lines of a width, broken after a blank, an underscore or a hyphen where there is one."""
+    """A name in lines of a width, broken after a space, an underscore or a hyphen where there is one."""
     lines = []
     while len(name) > width:
         breaks = [index + 1 for index in range(width) if name[index] in _SEPARATORS]
@@ -37,35 +38,38 @@ def fold(name: str, width: int = _WIDEST_NAME) -> str:
     return "\n".join([*lines, name])
 
 
-def condition_table(place: Condition, seed: int) -> Table:
-    """The policies of a place, best score first and without varied ones, with medians of the metrics.
+def condition_table(condition: Condition, seed: int) -> Table:
+    """The policies under a condition with medians of the metrics, best score first.
+
+    Controllers with other gains, which take part in the audit alone, are left out.
 
     Args:
-        place: with its policies.
+        condition: with its policies.
         seed: of the bootstrap.
     """
-    title = f"{place.environment_id}, scenario {place.scenario}"
-    rows = [_row(entry, len(place.seeds), seed) for entry in place.entries if entry.kind != VARIED]
-    return evaluation_table(title, rows, "policy", "µs")
+    title = f"{condition.environment_id}, scenario {condition.scenario}"
+    rows = [_row(entry, len(condition.seeds), seed) for entry in condition.entries if entry.kind != VARIED]
+    return evaluation_table(title, rows, scoring_of(condition.environment_id).columns, "policy")
 
 
 def _row(entry: Entry, episodes: int, seed: int) -> Row:
     median = {name: _median(values) for name, values in entry.metrics.items()}
-    return Row(fold(entry.policy), episodes, estimate_score(entry, seed), median, entry.compute_time)
+    name = KINDS[ZERO] if entry.kind == ZERO else entry.policy
+    return Row(fold(name), episodes, estimate_score(entry, seed), median, entry.compute_time)
 
 
 def _median(values: Array) -> Array:
-    """Median over rows and episodes of what is not NaN: (rows, episodes, components) -> (components)."""
+    """Median of the defined values over rows and episodes: (rows, episodes, components) -> (components)."""
     columns = values.reshape(-1, values.shape[-1]).T
     kept = [column[~np.isnan(column)] for column in columns]
     return np.array([np.median(column) if len(column) else np.nan for column in kept])
 
 
 def pairwise_table(pairwise_comparisons: Iterable[PairwiseComparison]) -> Table:
-    """The best law against the best agent at every place, a line each."""
-    table = _make("best law against best agent", ("environment", "best law, best agent"))
-    _add(table, "score", "95 %\ninterval", "differ-\nence", "95 %\ninterval", "P(agent\nbetter)")
-    _add(table, "apart", "better")
+    """The best controller against the best agent under every condition, one line each."""
+    table = _make("best controller against best agent", ("environment", "best controller,\nbest agent"))
+    _add(table, "score", "95 %\ninterval", "paired\ndiffer-\nence", "95 %\ninterval", "P(agent\nbetter)")
+    _add(table, "dis-\njoint\ninter-\nvals", "better")
     for pairwise in pairwise_comparisons:
         difference, controller, agent = pairwise.difference, pairwise.controller_score, pairwise.agent_score
         table.add_row(short_id(pairwise.environment_id), fold(pairwise.controller), *_score(controller))
@@ -83,14 +87,14 @@ def pairwise_table(pairwise_comparisons: Iterable[PairwiseComparison]) -> Table:
 
 
 def spread_table(conditions: Iterable[Condition]) -> Table:
-    """Agents by training seed: median and range of their scores."""
-    table = _make("agents over training seeds", ("environment", "agent", "action mode"))
+    """Spread of the agents' scores over training seeds: median and range."""
+    table = _make("agents by training seed", ("environment", "agent", "action mode"))
     _add(table, "training\nseeds", "median\nscore", "range")
-    for place in conditions:
-        for entry in place.of_kind(AGENT):
+    for condition in conditions:
+        for entry in condition.of_kind(AGENT):
             spread = training_spread(entry)
             table.add_row(
-                f"{short_id(place.environment_id)}, {place.scenario}",
+                f"{short_id(condition.environment_id)}, {condition.scenario}",
                 fold(entry.policy),
                 fold(entry.mode),
                 str(len(entry.training_seeds)),
@@ -101,9 +105,9 @@ def spread_table(conditions: Iterable[Condition]) -> Table:
 
 
 def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
-    """Families over their tasks."""
-    table = _make("all tasks together", ("scenario", "family"))
-    _add(table, "tasks", "score", "95 %\ninterval", "best law on\nthese tasks")
+    """Families of policies over their tasks."""
+    table = _make("score over all tasks", ("scenario", "policies"))
+    _add(table, "tasks", "score", "95 %\ninterval", "best controller\non these tasks")
     for item in aggregates:
         reference = _ABSENT if math.isnan(item.reference.value) else f"{item.reference.value:.3f}"
         family = fold(item.family, 50)
@@ -112,15 +116,15 @@ def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
 
 
 def audit_table(audits: Iterable[Audit]) -> Table:
-    """Reward against physical error, flagged where they disagree."""
+    """Audit of the reward against the physical error, flagged where they disagree."""
     table = _make("reward against physical error", ("environment", "scenario", "physical error"))
-    _add(table, "policies", "rank\ncorrelation", "95 %\ninterval", f"below\n{LEAST_CORRELATION}")
+    _add(table, "policies", "rank\ncorrelation", "95 %\ninterval", f"below\n{LEAST_CORRELATION:g}")
     for item in audits:
         value, low, high = item.correlation
         table.add_row(
             short_id(item.environment_id),
             item.scenario,
-            fold(item.measure, 44),
+            fold(item.physical_error, 44),
             str(len(item.policies)),
             *((_ABSENT, _ABSENT) if math.isnan(value) else (f"{value:.2f}", f"{low:.2f} {high:.2f}")),
             "!" if item.flagged else "",
@@ -129,10 +133,12 @@ def audit_table(audits: Iterable[Audit]) -> Table:
 
 
 def effort_table(efforts: Sequence[Effort]) -> Table:
-    """What it took to be as good as the best law of the scenario of the training."""
-    table = _make("to the best law's score", ("environment", "policy"))
-    _add(table, "best\nlaw", "best\nso far", "reached\nby", "steps", "simulated\ns", "wall\nmin")
-    _add(table, "budget\ns", "viola-\ntions")
+    """Training or tuning until the score of the best controller in the same scenario was reached."""
+    table = _make(
+        "learning effort: until the score of the best controller is reached", ("environment", "policy")
+    )
+    _add(table, "score to\nreach", "best\nscore", "reached\nby", "steps", "simulated\ns", "wall\nmin")
+    _add(table, "total\nsimu-\nlated\ns", "viola-\ntions")
     for item in efforts:
         table.add_row(
             fold(f"{short_id(item.environment_id)}, {item.scenario}", 18),
@@ -166,7 +172,7 @@ def _score(estimate: Estimate) -> tuple[str, str]:
 
 
 def _count(value: float) -> str:
-    """A quantity in a few characters."""
+    """A quantity in a few characters, with k for thousands and M for millions."""
     if math.isnan(value):
         return _ABSENT
     if math.isinf(value):

@@ -1,4 +1,4 @@
-"""What is compared: policies with their scores and metrics, place by place."""
+"""What is compared: policies with their scores and metrics under every condition."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,28 +14,33 @@ Record = Mapping[str, Any]
 
 CONTROLLER, BUDGET, AGENT, ZERO, VARIED = "controller", "budget", "agent", "zero", "varied"
 KINDS = {
-    CONTROLLER: "a control law with its tuned gains",
-    BUDGET: "a control law, tuned with a budget of simulated time as an agent's training has one",
-    AGENT: "a learned policy",
-    ZERO: "no torque at all, the control",
-    VARIED: "a control law with another gain set, for the audit of the reward alone",
+    CONTROLLER: "controller",
+    BUDGET: "controller, equal budget",
+    AGENT: "agent",
+    ZERO: "zero torque",
+    VARIED: "controller, other gains",
 }
-"""Kinds of policies."""
+"""Kinds of policies with their names in tables and plots.
+
+A controller has its tuned gains; one of equal budget was tuned with as much simulated time as the training of
+an agent takes; one with other gains takes part in the audit of the reward alone. Zero torque is the baseline
+that every policy has to beat.
+"""
 
 CLASSICAL = (CONTROLLER, BUDGET)
 
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """How the score of a policy grew as it was trained or tuned.
+    """The score of a policy in the course of its training or tuning.
 
     Attributes:
-        scenario: in which.
-        control_frequency: actions a second [Hz].
-        steps: of the environment by then (n), growing.
-        seconds: of wall time by then (n) [s]; NaN where it was not measured.
-        score: at that point (n) [1].
-        violations: by then (n); NaN where they were not counted.
+        scenario: in which the policy was trained or tuned.
+        control_frequency: of the policy [Hz].
+        steps: number of environment steps up to each point (n), increasing.
+        seconds: wall time up to each point (n) [s]; NaN where it was not measured.
+        score: at each point (n) [1].
+        violations: number of violations up to each point (n); NaN where they were not counted.
     """
 
     scenario: str
@@ -47,30 +52,30 @@ class History:
 
     @classmethod
     def of(cls, plain: Record) -> Self:
-        """From what a record holds."""
+        """From the history in a record."""
         names = ("steps", "seconds", "score", "violations")
         columns = {name: to_array(plain[name]) for name in names}
         return cls(plain["scenario"], float(plain["control_frequency"]), **columns)
 
     @property
     def simulated_seconds(self) -> Array:
-        """Simulated time by then (n) [s]."""
+        """Simulated time up to each point (n) [s]."""
         return self.steps / self.control_frequency
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A policy at one place: a law, or the agents of all training seeds together.
+    """A policy under one condition: a controller, or the agents of all training seeds together.
 
     Attributes:
-        policy: its name.
+        policy: name of the policy.
         kind: one of `KINDS`.
-        mode: what an action means.
-        training_seeds: one a row; empty where nothing was trained.
-        scores: (rows, evaluation seeds) [1].
+        mode: action mode.
+        training_seeds: one for each row; empty for a policy that was not trained.
+        scores: in every episode, (rows, evaluation seeds) [1].
         metrics: by name, (rows, evaluation seeds, components).
-        compute_time: median over the rows of the time for an action [s].
-        histories: one a row where something was trained or tuned, else empty.
+        compute_time: median over the rows of the compute time for one action [s].
+        histories: one for each row of a policy that was trained or tuned, else empty.
     """
 
     policy: str
@@ -84,7 +89,7 @@ class Entry:
 
     @classmethod
     def of(cls, records: Sequence[Record]) -> Self:
-        """From the records of one policy at one place, one a training seed."""
+        """From the records of one policy under one condition, one for each training seed."""
         first = records[0]
         metrics = {
             name: np.stack([to_array(record["episodes"][name]) for record in records])
@@ -104,13 +109,13 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Condition:
-    """An environment in a scenario, and the policies that played it.
+    """An environment in a scenario, and the policies that were evaluated there.
 
     Attributes:
-        environment_id: of the environment.
-        scenario: of the environment.
-        seeds: of the episodes, the same for all.
-        entries: one a policy.
+        environment_id: id of the environment.
+        scenario: name of the scenario.
+        seeds: evaluation seeds, the same for all policies.
+        entries: the policies.
     """
 
     environment_id: str
@@ -120,10 +125,10 @@ class Condition:
 
     @classmethod
     def of(cls, records: Sequence[Record]) -> Self:
-        """From the records of one place.
+        """From the records of one condition.
 
         Raises:
-            InvalidValueError: policies that did not meet the same episodes.
+            InvalidValueError: policies that were evaluated on different episodes.
         """
         first = records[0]
         for record in records:
@@ -142,10 +147,10 @@ class Condition:
 
 
 def group_conditions(records: Iterable[Record]) -> list[Condition]:
-    """The places of all records, in their order.
+    """The conditions of all records, in the order of the records.
 
     Raises:
-        InvalidValueError: policies that did not meet the same episodes.
+        InvalidValueError: policies that were evaluated on different episodes.
     """
     return [Condition.of(own) for own in _group(records, ("environment", "scenario")).values()]
 

@@ -1,5 +1,6 @@
 """Evaluation: recorded episodes, metrics, statistics, results."""
 
+from prp_gym.evaluation.column import Column
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.evaluate import Evaluation, evaluate
 from prp_gym.evaluation.hierarchy import (
@@ -9,18 +10,21 @@ from prp_gym.evaluation.hierarchy import (
     bootstrap_tasks,
 )
 from prp_gym.evaluation.improvement import paired_probability_of_improvement, probability_of_improvement
-from prp_gym.evaluation.metric import Metric
-from prp_gym.evaluation.metrics import METRICS, episode_metrics
+from prp_gym.evaluation.metric import Metric, MetricGroup, Presentation
+from prp_gym.evaluation.metrics import METRICS, episode_metrics, register_metric
 from prp_gym.evaluation.profiles import Profile, performance_profile
 from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean, interquartile_mean
 
 __all__ = [
     "METRICS",
+    "Column",
     "Estimate",
     "Evaluation",
     "Metric",
+    "MetricGroup",
     "Policy",
+    "Presentation",
     "Profile",
     "Rollout",
     "bootstrap_crossed",
@@ -35,4 +39,5 @@ __all__ = [
     "performance_profile",
     "probability_of_improvement",
     "record_episode",
+    "register_metric",
 ]

@@ -1,4 +1,4 @@
-"""What a metric is: a declaration with name, unit and definition, and the function that computes it."""
+"""`Metric`: a declaration with name, unit and definition, and the function that computes the metric."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,8 +6,45 @@ from typing import ClassVar
 
 import numpy as np
 
+from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.evaluation.column import Column
 from prp_gym.evaluation.rollout import Rollout
+from prp_gym.registry import NOT_IN_THE_REPORT
 from prp_gym.robot.arrays import Array
+
+
+@dataclass(frozen=True)
+class MetricGroup:
+    """Metrics of one quantity, which stand together in lists.
+
+    Attributes:
+        heading: in the documentation.
+        chapter: for the order of lists: that of the report which controls the quantity first.
+    """
+
+    heading: str
+    chapter: float = NOT_IN_THE_REPORT
+
+
+OTHER = MetricGroup("Other")
+"""Of metrics that name no group."""
+
+
+@dataclass(frozen=True)
+class Presentation:
+    """How a metric is listed, shown and read.
+
+    Attributes:
+        group: with which it is listed.
+        column: of its median in tables; None if it is never shown there.
+        known_as: its name in ISO 9283 or in control engineering; empty where it has none.
+        higher_is_better: the direction.
+    """
+
+    group: MetricGroup = OTHER
+    column: Column | None = None
+    known_as: str = ""
+    higher_is_better: bool = False
 
 
 @dataclass(frozen=True)
@@ -19,21 +56,51 @@ class Metric:
         units: one a component.
         definition: one sentence.
         requires: fields and cost terms of an episode without which it does not exist.
-        compute: from a recorded episode, as many numbers as units.
-        known_as: its name in ISO 9283 or in control engineering; empty where it has none.
-        higher_is_better: the direction.
-        survives_divergence: whether it means something for an episode that was cut short.
+        compute: from a recorded episode, as many numbers as units; for one unit a number will do.
+        presentation: how it is listed, shown and read.
+        revision: of its definition; every change of its values raises it.
     """
 
     name: str
     units: tuple[str, ...]
     definition: str
     requires: tuple[str, ...]
-    compute: Callable[[Rollout], Array]
-    known_as: str = ""
-    higher_is_better: bool = False
+    compute: Callable[[Rollout], Array | float]
+    presentation: Presentation = Presentation()
+    revision: int = 1
 
     survives_divergence: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        column = self.column
+        if column is not None and len(column.units) != len(self.units):
+            what, allowed = f"units of the column of metric {self.name!r}", f"{len(self.units)} of them"
+            raise InvalidValueError(what, column.units, allowed)
+
+    @property
+    def chapter(self) -> float:
+        """For the order of lists, that of the metric's group."""
+        return self.presentation.group.chapter
+
+    @property
+    def group(self) -> str:
+        """Heading under which the metric is listed."""
+        return self.presentation.group.heading
+
+    @property
+    def column(self) -> Column | None:
+        """Of its median in tables; None if it is never shown there."""
+        return self.presentation.column
+
+    @property
+    def known_as(self) -> str:
+        """Its name in ISO 9283 or in control engineering; empty where it has none."""
+        return self.presentation.known_as
+
+    @property
+    def higher_is_better(self) -> bool:
+        """Whether larger values are the better ones."""
+        return self.presentation.higher_is_better
 
     def exists(self, rollout: Rollout) -> bool:
         """Whether an episode has all that the metric requires."""
@@ -45,10 +112,24 @@ class Metric:
         return len(self.units)
 
     def values(self, rollout: Rollout) -> Array:
-        """The metric of an episode, (components); NaN where a divergence took its meaning."""
+        """The metric of an episode.
+
+        Args:
+            rollout: an episode for which the metric exists.
+
+        Returns:
+            (components); NaN where a divergence left it without meaning.
+
+        Raises:
+            ShapeError: the metric's function returned another number of components.
+        """
+        count = self.components(rollout)
         if rollout.diverged and not self.survives_divergence:
-            return np.full(self.components(rollout), np.nan)
-        return self.compute(rollout)
+            return np.full(count, np.nan)
+        values = np.atleast_1d(np.asarray(self.compute(rollout), dtype=np.float64))
+        if values.shape != (count,):
+            raise ShapeError(f"metric {self.name!r}", values.shape, f"({count},), one number a component")
+        return values
 
 
 class JointMetric(Metric):
@@ -60,6 +141,6 @@ class JointMetric(Metric):
 
 
 class OutcomeMetric(Metric):
-    """A metric that counts for an episode that was cut short, too."""
+    """A metric that also has a meaning for an episode that a divergence has cut short."""
 
     survives_divergence = True

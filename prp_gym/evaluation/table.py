@@ -1,18 +1,22 @@
 """Evaluations as a table for the terminal."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.column import Column
+from prp_gym.evaluation.metrics import METRICS
 from prp_gym.evaluation.results import to_array
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
+_TIME = "com-\npute\ntime\nµs"
 _SMALLEST = 0.005
 _TWO_DECIMALS_BELOW = 0.1
 _WHOLE_FROM = 10.0
@@ -24,11 +28,11 @@ class Row:
     """One line of the table.
 
     Attributes:
-        baseline: the law.
-        episodes: how many.
-        score: over the episodes.
-        median: over the episodes of every metric, (components).
-        compute_time: of an action [s].
+        baseline: name of the controller or policy.
+        episodes: number of episodes.
+        score: interquartile mean over the episodes, with its interval.
+        median: of every metric over the episodes, (components).
+        compute_time: of the policy for one action [s].
     """
 
     baseline: str
@@ -50,91 +54,69 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Column:
-    """A declared column: the median of a metric, in an environment where that metric exists.
+class _MetricColumn:
+    """The column of a metric in a table.
 
     Attributes:
-        title: above the unit, with line breaks.
-        units: of the shown numbers, one a component; of fewer components the first units.
-        metric: whose median is shown.
-        scale: shown number over the metric's own.
-        unless: a metric that says more: where it exists, the column is left out. Empty for none.
+        metric: its name.
+        column: as it is declared.
     """
 
-    title: str
-    units: tuple[str, ...]
     metric: str
-    scale: float = 1.0
-    unless: str = ""
-
-    def belongs(self, rows: Sequence[Row]) -> bool:
-        """Whether the rows' environment has the metric, and none that says more."""
-        names = {name for row in rows for name in row.median}
-        return self.metric in names and self.unless not in names
+    column: Column
 
     def header(self, rows: Sequence[Row]) -> str:
         """Title and units, those of as many components as the rows have."""
         medians = (row.median for row in rows)
         count = max(len(median[self.metric]) for median in medians if self.metric in median)
-        return f"{self.title}\n{' '.join(self.units[:count])}"
+        return f"{self.column.title}\n{' '.join(self.column.units[:count])}"
 
     def cell(self, row: Row) -> str:
         """The median of one row."""
         values = row.median.get(self.metric)
-        return _ABSENT if values is None else _vector(self.scale * values)
-
-
-_JOINTS = ("mrad", "mm", "mrad")
-
-COLUMNS = (
-    Column("joint RMSE", _JOINTS, "joint_rmse", 1e3),
-    Column("steady error", _JOINTS, "steady_state_error", 1e3),
-    Column("settle", ("s",), "settling_time"),
-    Column("over-\nshoot", ("%",), "overshoot"),
-    # in contact a tip that gives way is what is asked for, not an error
-    Column("pos.\nRMSE", ("mm",), "position_rmse", 1e3, unless="peak_force"),
-    Column("angle\nRMSE", ("mrad",), "orientation_rmse", 1e3, unless="model_orientation_rmse"),
-    Column("steady\nerror", ("mm",), "position_steady_state_error", 1e3, unless="peak_force"),
-    Column("settle", ("s",), "position_settling_time", unless="peak_force"),
-    Column("over-\nshoot", ("%",), "position_overshoot", unless="peak_force"),
-    Column("model\nerror", ("mm",), "model_position_rmse", 1e3),
-    Column("model\nerror", ("mrad",), "model_orientation_rmse", 1e3),
-    Column("force\nRMSE", ("N",), "force_rmse"),
-    Column("final\nerror", ("N",), "steady_state_force_error"),
-    Column("force\nsettle", ("s",), "force_settling_time"),
-    Column("peak\nforce", ("N",), "peak_force"),
-    Column("los-\nses", ("1",), "contact_losses"),
-    Column("in-\njected", ("mJ",), "injected_energy", 1e3),
-    Column("energy", ("J",), "energy"),
-    Column("sat.", ("%",), "saturation"),
-)
-"""In the order of the table; together with law, score and time they hold in 120 columns for every task."""
+        return _ABSENT if values is None else _vector(self.column.scale * values)
 
 
 def evaluation_table(
-    title: str, rows: Sequence[Row], who: str = "controller", timed: str = "law\nµs"
+    title: str, rows: Sequence[Row], metrics: Iterable[str], who: str = "controller"
 ) -> Table:
     """Scores and medians over the episodes, best score first.
 
     Args:
         title: what was evaluated.
         rows: of one environment and scenario.
+        metrics: whose medians are shown, as the task declares them; those that no row has are left out.
         who: what the rows are, above their names.
-        timed: above their compute times.
 
     Returns:
-        a table for a terminal of 120 columns, with those of `COLUMNS` that the environment has. Vectors
-        are the joints [mrad, mm, mrad]; what is below 0.005 is shown as 0.
+        a table for a terminal of 120 columns. Vectors are the joints [mrad, mm, mrad]; what is below 0.005
+        is shown as 0.
+
+    Raises:
+        UnknownNameError: a metric that does not exist.
+        InvalidValueError: a metric without a column.
     """
-    columns = [column for column in COLUMNS if column.belongs(rows)]
+    columns = _columns(metrics, rows)
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column(who, no_wrap=True, vertical="bottom")
-    for header in ("score", "95 %\ninterval", *(column.header(rows) for column in columns), timed):
+    for header in ("score", "95 %\ninterval", *(column.header(rows) for column in columns), _TIME):
         table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
     for row in sorted(rows, key=lambda row: -row.score.value):
         cells = [column.cell(row) for column in columns]
         table.add_row(row.baseline, *_score(row), *cells, _number(round(1e6 * row.compute_time)))
     return table
+
+
+def _columns(metrics: Iterable[str], rows: Sequence[Row]) -> list[_MetricColumn]:
+    present = {name for row in rows for name in row.median}
+    columns = []
+    for name in metrics:
+        column = METRICS.find(name).column
+        if column is None:
+            raise InvalidValueError("metric of a table's column", name, "one that declares a column")
+        if name in present:
+            columns.append(_MetricColumn(name, column))
+    return columns
 
 
 def _score(row: Row) -> tuple[str, str]:

@@ -11,7 +11,7 @@ import pytest
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines import gains as gains_module
-from prp_gym.baselines.gains import gain_sets, load_gains
+from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.errors import UnknownNameError
 
 TABLE: dict[str, dict[str, dict[str, Any]]] = tomllib.loads(

@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import BASELINES, Baseline, ControlInterface, OperationalPD, OperationalPDSettings
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines import (
+    BASELINES,
+    Baseline,
+    ControlInterface,
+    OperationalPDController,
+    OperationalPDSettings,
+)
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import InvalidValueError, MissingFieldError
 from prp_gym.robot import Link
 from tests.support.control_interface import (
@@ -100,4 +106,4 @@ def test_link_has_no_pose_to_control(name: str) -> None:
 def test_model_that_has_no_pose_is_refused() -> None:
     interface = ControlInterface("PRP-A-v0", POSE_LAYOUT, LIMIT, PERIOD, Link())
     with pytest.raises(InvalidValueError, match="the arm: a link has no pose"):
-        OperationalPD(interface, OperationalPDSettings(1.0, 1.0))
+        OperationalPDController(interface, OperationalPDSettings(1.0, 1.0))

@@ -26,8 +26,8 @@ from prp_gym.baselines import (
     list_baselines,
     make_baseline,
 )
-from prp_gym.baselines.force_loop import ForceLoop
-from prp_gym.baselines.references import REFERENCE_FIELDS
+from prp_gym.baselines.base.force_loop import ForceLoop
+from prp_gym.baselines.base.references import REFERENCE_FIELDS
 from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.evaluation import evaluate
 from prp_gym.robot import PRPArm

@@ -11,8 +11,8 @@ from gymnasium.wrappers import ClipAction, TimeLimit
 
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
-from prp_gym.baselines.gains import gain_sets
-from prp_gym.baselines.references import REFERENCE_FIELDS
+from prp_gym.baselines.base.gains import gain_sets
+from prp_gym.baselines.base.references import REFERENCE_FIELDS
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot import Link, LinkParameters, RobotParameters
 from prp_gym.tasks.fields import MEASURED_FIELDS, ObservationLayout

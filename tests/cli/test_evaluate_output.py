@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, list_baselines, make_baseline
-from prp_gym.baselines.gains import gain_sets
+from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
 from prp_gym.evaluation import METRICS, evaluate
 from prp_gym.tasks.scenario import SCENARIOS
@@ -99,7 +99,7 @@ def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: 
     content = results_of(tmp_path / "a b")
     assert content["command"] == f"prp-gym {' '.join(options[:-1])} '{tmp_path}/a b'"
     assert {"python", "prp-gym", "gymnasium", "mujoco", "numpy"} == set(content["versions"])
-    assert set(content["units"]) == {metric.name for metric in METRICS}
+    assert set(content["units"]) == set(METRICS)
 
 
 def test_evaluate_prints_whole_tables_best_law_first(tmp_path: Path) -> None:

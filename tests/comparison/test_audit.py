@@ -1,22 +1,21 @@
-"""Rank correlation against values worked out by hand, and what is taken for the physical error."""
+"""Rank correlation against values computed by hand, and physical errors of policies."""
 
-import gymnasium
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from prp_gym import list_envs
 from prp_gym.comparison.audit import LEAST_CORRELATION, Audit, audit_rewards
-from prp_gym.comparison.jobs import ZeroPolicy
 from prp_gym.comparison.rank import average_ranks, rank_correlation, resampled_correlations
-from prp_gym.comparison.task_error import TASK_ERRORS, TaskError, physical_errors
+from prp_gym.comparison.task_error import physical_errors
 from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import ShapeError
-from prp_gym.evaluation import METRICS, evaluate
+from prp_gym.evaluation.scoring import scoring_of
+from prp_gym.tasks.spec import TaskError
 from tests.support.made_up_comparison import agents, record
 
 ROUNDING = 1e-12  # a few additions of small numbers
+JOINT_ERROR = TaskError({"joint_mean_error": (0.02, 0.01, 0.042)}, "made up as that of joint tracking is")
 
 
 def test_ties_share_the_mean_of_their_ranks() -> None:
@@ -25,7 +24,7 @@ def test_ties_share_the_mean_of_their_ranks() -> None:
     np.testing.assert_array_equal(average_ranks(values), [3.0, 0.0, 3.0, 5.5, 1.0, 5.5, 3.0])
 
 
-def test_rank_correlation_with_ties_is_that_worked_out_by_hand() -> None:
+def test_rank_correlation_with_ties_is_that_computed_by_hand() -> None:
     # ranks of x less their mean: -1.5 0 0 1.5; of y: -1.5 -0.5 0.5 1.5; products 4.5, squares 4.5 and 5
     found = rank_correlation(np.array([1.0, 2.0, 2.0, 4.0]), np.array([0.0, 1.0, 2.0, 9.0]))
     assert found == pytest.approx(4.5 / np.sqrt(4.5 * 5.0), abs=ROUNDING)
@@ -45,7 +44,7 @@ def test_rank_correlation_of_a_monotonic_change_is_one(values: list[float]) -> N
     assert rank_correlation(x, -order) == pytest.approx(-1.0, abs=ROUNDING)
 
 
-def test_rank_correlation_with_a_constant_is_none() -> None:
+def test_rank_correlation_with_a_constant_is_undefined() -> None:
     assert np.isnan(rank_correlation(np.ones(4), np.arange(4.0)))
 
 
@@ -68,7 +67,7 @@ def entry(**metrics: object) -> Entry:
 def test_physical_error_is_the_sum_of_absolute_shares() -> None:
     made = entry(joint_mean_error=[[0.06, 0.04, 0.0], [0.0, 0.0, -0.042], [0.0, 0.02, 0.042]])
     # 3 + 4 + 0, 0 + 0 + 1, 0 + 2 + 1
-    found = physical_errors(made, TASK_ERRORS["PRP-JointTracking-v0"])
+    found = physical_errors(made, JOINT_ERROR)
     np.testing.assert_allclose(found, [[7.0, 1.0, 3.0]], atol=ROUNDING)
 
 
@@ -81,7 +80,7 @@ def test_physical_error_of_several_metrics_is_their_sum_in_their_own_units() -> 
 
 def test_episode_that_diverged_has_an_infinite_error() -> None:
     made = entry(joint_mean_error=[[None] * 3, [0.0] * 3, [None, 0.0, 0.0]])
-    assert physical_errors(made, TASK_ERRORS["PRP-JointTracking-v0"]).tolist() == [[np.inf, 0.0, np.inf]]
+    assert physical_errors(made, JOINT_ERROR).tolist() == [[np.inf, 0.0, np.inf]]
 
 
 def audited(*records: dict[str, object]) -> Audit:
@@ -89,7 +88,7 @@ def audited(*records: dict[str, object]) -> Audit:
     return audit
 
 
-def test_reward_that_orders_otherwise_than_the_error_is_flagged() -> None:
+def test_reward_that_ranks_policies_otherwise_than_the_error_is_flagged() -> None:
     records = [record(name, [score]) for name, score in (("a", 0.9), ("b", 0.8), ("c", 0.2))]
     audit = audited(*records)
     assert [audit.correlation.value, audit.flagged, len(audit.policies)] == pytest.approx([1.0, False, 3])
@@ -133,18 +132,22 @@ def test_interval_of_the_correlation_is_over_episodes_that_all_policies_share() 
     assert high - low > 0.8  # chance decides the order of what does not differ
 
 
-def test_a_place_of_one_policy_has_no_correlation() -> None:
+def test_condition_with_a_single_policy_has_no_correlation() -> None:
     assert np.isnan(audited(record("a", [0.4, 0.5])).correlation).all()
 
 
-def test_every_environment_has_a_gauge_of_mean_errors_that_it_has() -> None:
-    assert set(TASK_ERRORS) == set(list_envs())
-    units = {metric.name: metric.units for metric in METRICS}
-    for environment_id, task_error in TASK_ERRORS.items():
-        env = gymnasium.make(environment_id, duration=0.1)
-        found = evaluate(ZeroPolicy(env.action_space.shape[0]), env, 1).metrics  # type: ignore[index]
-        env.close()
-        for name, scale in task_error.parts.items():
-            assert name.endswith("_mean_error")
-            assert len(scale) == found[name].shape[1] <= len(units[name])
-        assert task_error.reason
+def test_task_without_a_physical_error_is_left_out() -> None:
+    records = [
+        record("a", [0.4, 0.5]),
+        record("a", [0.4, 0.5], environment_id="PRP-Unknown-v0"),
+        record("b", [0.3, 0.2], environment_id="PRP-Unknown-v0"),
+    ]
+    (audit,) = audit_rewards(group_conditions(records), 0)
+    assert audit.environment_id == "PRP-JointTracking-v0"
+
+
+def test_audit_names_the_error_and_its_reason() -> None:
+    audit = audited(record("a", [0.4]))
+    error = scoring_of("PRP-JointTracking-v0").error
+    assert error is not None
+    assert (audit.physical_error, audit.reason) == ("joint_mean_error", error.reason)

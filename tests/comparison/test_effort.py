@@ -1,4 +1,4 @@
-"""When made-up learning curves reach the best law, or never do."""
+"""When made-up learning curves reach the score of the best controller, or never do."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def test_median_over_training_seeds_is_never_unless_most_arrive() -> None:
     assert (effort.reached, effort.reach.steps, effort.reach.wall_minutes) == (1, np.inf, np.inf)
 
 
-def test_effort_is_told_once_and_for_the_scenario_of_the_training() -> None:
+def test_effort_is_stated_once_and_for_the_scenario_of_the_training() -> None:
     trained = {"history": learning([0.7])}
     records = [CONTROLLER, *agents("a", np.full((1, 4), 0.7), **trained)]
     records += [record("joint_pd", [0.6] * 4, scenario="realistic")]
@@ -60,7 +60,7 @@ def test_training_in_a_scenario_that_is_not_compared_has_no_goal() -> None:
     assert learning_efforts(group_conditions(records)) == []
 
 
-def test_tuned_law_has_no_wall_time_and_no_violations() -> None:
+def test_tuned_controller_has_no_wall_time_and_no_violations() -> None:
     history = {**learning([0.5, 0.9], frequency=500.0), "seconds": [None] * 2, "violations": [None] * 2}
     (effort,) = learning_efforts(
         group_conditions([CONTROLLER, record("x (budget)", [0.7] * 4, "budget", history=history)])

@@ -1,12 +1,12 @@
-"""Who is better: estimates, verdicts, families, on made-up scores."""
+"""Estimates, verdicts and families of policies, on made-up scores."""
 
 import numpy as np
 import pytest
 
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
-    BEST_BUDGET_LAW,
-    BEST_LAW,
+    BEST_BUDGET_CONTROLLER,
+    BEST_CONTROLLER,
     aggregate_tasks,
     compare_best,
     estimate_score,
@@ -59,19 +59,19 @@ def test_training_seeds_that_disagree_leave_it_undecided() -> None:
     assert probability == pytest.approx(2 / 3)
 
 
-def test_one_side_alone_is_no_duel_and_best_law_of_each_kind_meets_the_best_agent() -> None:
+def test_best_controller_of_each_kind_is_compared_with_the_best_agent_where_there_is_one() -> None:
     controllers = [record("joint_pd", EPISODES), record("adaptive", EPISODES + 0.05)]
     assert compare_best(group_conditions(controllers), 0) == []
-    rivals = [record("joint_pd (budget)", EPISODES + 0.08, "budget"), *agents("a", EPISODES[None])]
-    rivals += agents("b", EPISODES[None] + 0.01)
-    found = compare_best(group_conditions([*controllers, *rivals]), 0)
+    others = [record("joint_pd (budget)", EPISODES + 0.08, "budget"), *agents("a", EPISODES[None])]
+    others += agents("b", EPISODES[None] + 0.01)
+    found = compare_best(group_conditions([*controllers, *others]), 0)
     assert [(pairwise.controller, pairwise.agent) for pairwise in found] == [
         ("adaptive", "b"),
         ("joint_pd (budget)", "b"),
     ]
 
 
-def test_agents_are_resampled_over_training_seeds_and_laws_over_episodes() -> None:
+def test_agents_are_resampled_over_training_seeds_and_controllers_over_episodes() -> None:
     scores = EPISODES[None] + [[0.0], [0.3]]
     controller, agent = Entry.of([record("joint_pd", EPISODES)]), Entry.of(agents("a", scores))
     rng = np.random.default_rng
@@ -84,17 +84,17 @@ def test_spread_is_over_training_seeds() -> None:
     assert (spread.median, spread.low, spread.high) == pytest.approx((0.2, 0.1, 0.5))
 
 
-def test_policies_that_met_other_episodes_are_refused() -> None:
+def test_policies_of_different_episodes_are_refused() -> None:
     records = [record("joint_pd", EPISODES), record("adaptive", EPISODES, seeds=list(range(1, 21)))]
     with pytest.raises(InvalidValueError, match="evaluation seeds of adaptive"):
         group_conditions(records)
 
 
-def test_records_of_a_group_are_one_policy_in_the_order_of_the_places() -> None:
+def test_records_of_a_group_are_one_policy_in_the_order_of_the_conditions() -> None:
     conditions = group_conditions(
         [record("joint_pd", EPISODES, scenario="realistic"), *agents("a", np.stack([EPISODES, EPISODES / 2]))]
     )
-    assert [place.scenario for place in conditions] == ["realistic", "randomized"]
+    assert [condition.scenario for condition in conditions] == ["realistic", "randomized"]
     (agent,) = conditions[1].entries
     assert agent.training_seeds == (0, 1)
     np.testing.assert_array_equal(agent.scores, [EPISODES, EPISODES / 2])
@@ -114,12 +114,22 @@ def test_families_are_the_best_of_each_kind_on_each_of_their_tasks() -> None:
     records += agents("b", np.full((2, 20), 0.5), environment_id=first, mode="impedance")
     records.append(record("x (budget)", EPISODES, "budget", second))
     found = {item.family: item for item in aggregate_tasks(group_conditions(records), 0)}
-    assert list(found) == [BEST_LAW, BEST_AGENT, "agent, torque", "agent, impedance", BEST_BUDGET_LAW]
-    assert (found[BEST_LAW].tasks, found["agent, impedance"].tasks, found[BEST_BUDGET_LAW].tasks) == (2, 1, 1)
-    assert found[BEST_LAW].score.value == pytest.approx((0.95 + 0.75) / 2)
+    assert list(found) == [
+        BEST_CONTROLLER,
+        BEST_AGENT,
+        "agent, torque",
+        "agent, impedance",
+        BEST_BUDGET_CONTROLLER,
+    ]
+    assert (
+        found[BEST_CONTROLLER].tasks,
+        found["agent, impedance"].tasks,
+        found[BEST_BUDGET_CONTROLLER].tasks,
+    ) == (2, 1, 1)
+    assert found[BEST_CONTROLLER].score.value == pytest.approx((0.95 + 0.75) / 2)
     assert found["agent, impedance"].reference.value == pytest.approx(0.95)
-    assert found[BEST_BUDGET_LAW].reference.value == pytest.approx(0.75)
-    profile = found[BEST_LAW].profile
+    assert found[BEST_BUDGET_CONTROLLER].reference.value == pytest.approx(0.75)
+    profile = found[BEST_CONTROLLER].profile
     assert profile.value[profile.thresholds < 0.74].min() == 1.0
     assert profile.value[(profile.thresholds > 0.76) & (profile.thresholds < 0.94)] == pytest.approx(0.5)
 

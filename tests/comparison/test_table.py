@@ -1,4 +1,4 @@
-"""What the tables of a comparison say, and that they fit."""
+"""Content and width of the tables of a comparison."""
 
 import io
 
@@ -41,7 +41,7 @@ def cells(table: Table, name: str) -> list[str]:
 
 @pytest.fixture
 def outcome() -> Outcome:
-    """A place of names as long as they come, whose metrics are those of joint regulation."""
+    """A condition with the longest names that there are, and with metrics of joint regulation."""
     records = [
         record("joint_pd", SCORES),
         record(f"{LONG} (budget)", SCORES + 0.05, "budget", history=learning([0.2, 0.3])),
@@ -59,7 +59,7 @@ def outcome() -> Outcome:
     return Outcome.of(records, 0)
 
 
-def test_place_has_a_line_a_policy_best_first(outcome: Outcome) -> None:
+def test_condition_has_one_line_for_each_policy_best_first(outcome: Outcome) -> None:
     lines = printed(condition_table(outcome.conditions[0], 0)).splitlines()
     assert lines[0].strip() == f"{ID}, scenario randomized"
     rows = [line.split()[:2] for line in lines if any(f" 0.{score} " in line for score in (750, 700, 500))]
@@ -74,7 +74,7 @@ def test_median_is_over_training_seeds_and_episodes() -> None:
     assert line[3:6] == ["50", "25", "100"]
 
 
-def test_duel_is_two_lines(outcome: Outcome) -> None:
+def test_pairwise_comparison_takes_two_lines(outcome: Outcome) -> None:
     lines = printed(pairwise_table(outcome.pairwise_comparisons)).splitlines()
     (controller,) = (line.split() for line in lines if "(budget)" in line)
     (agent,) = (line.split() for line in lines if " -0.250" in line)
@@ -83,11 +83,11 @@ def test_duel_is_two_lines(outcome: Outcome) -> None:
     assert agent[-3:] == ["0.00", "yes", "controller"]
 
 
-def test_spread_tells_median_and_range(outcome: Outcome) -> None:
+def test_spread_is_median_and_range(outcome: Outcome) -> None:
     assert cells(spread_table(outcome.conditions), "0.600")[-3:] == ["3", "0.500", "0.400-0.600"]
 
 
-def test_effort_tells_never_and_large_numbers(outcome: Outcome) -> None:
+def test_effort_that_never_arrived_and_large_numbers_are_readable(outcome: Outcome) -> None:
     table = printed(effort_table(outcome.efforts))
     (never,) = (line for line in table.splitlines() if "never" in line)
     (reached,) = (line for line in table.splitlines() if "3 of 3" in line)
@@ -95,8 +95,8 @@ def test_effort_tells_never_and_large_numbers(outcome: Outcome) -> None:
     assert " ".join(reached.split()[-13:]) == "0.750 0.900 3 of 3 2 M 40 k 0.333 40 k 2"
 
 
-def test_aggregate_tells_the_law_on_the_same_tasks(outcome: Outcome) -> None:
-    line = cells(aggregate_table(outcome.aggregates), "best equal-budget law")
+def test_aggregate_is_shown_beside_the_best_controller_on_the_same_tasks(outcome: Outcome) -> None:
+    line = cells(aggregate_table(outcome.aggregates), "best equal-budget controller")
     assert (line[-4:-2], line[-1]) == (["1", "0.750"], "0.700")
 
 
@@ -109,7 +109,7 @@ def test_audit_is_flagged_below_the_least_correlation() -> None:
     assert row[-5:] == ["3", "-0.50", "-0.50", "-0.50", "!"]
 
 
-def test_varied_policies_are_in_the_audit_alone() -> None:
+def test_controllers_with_other_gains_are_in_the_audit_alone() -> None:
     records = [record("a", [0.5]), record("a (report)", [0.4], "varied"), record("b", [0.3])]
     outcome = Outcome.of(records, 0)
     assert "(report)" not in printed(condition_table(outcome.conditions[0], 0))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.evaluation import effort_metrics as m
+from prp_gym.evaluation.metrics import effort as m
 from prp_gym.evaluation.response import root_mean_square
 from tests.support.made_up_episodes import (
     PERIOD,

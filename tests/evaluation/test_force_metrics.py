@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.evaluation import episode_metrics
-from prp_gym.evaluation import force_metrics as m
+from prp_gym.evaluation.metrics import force as m
 from tests.support.made_up_episodes import (
     PERIOD,
     ROUNDING,

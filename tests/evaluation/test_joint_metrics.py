@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.evaluation import joint_metrics as m
+from prp_gym.evaluation.metrics import joint as m
 from tests.support.made_up_episodes import (
     GOAL,
     ROUNDING,

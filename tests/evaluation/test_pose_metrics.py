@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.evaluation import episode_metrics
-from prp_gym.evaluation import pose_metrics as m
+from prp_gym.evaluation.metrics import pose as m
 from tests.support.made_up_episodes import (
     ROUNDING,
     SAMPLES,

@@ -192,7 +192,7 @@ def test_run_is_described_by_versions_machine_command_and_units() -> None:
     assert run["versions"] == {"python": platform.python_version(), **packages}
     machine = {"system": platform.system(), "architecture": platform.machine(), "cores": os.cpu_count()}
     assert run["machine"] == machine
-    assert run["units"] == {metric.name: list(metric.units) for metric in METRICS}
+    assert run["units"] == {metric.name: list(metric.units) for metric in METRICS.values()}
 
 
 @pytest.mark.parametrize("environment_id", list_envs())

@@ -12,19 +12,21 @@ from rich.console import Console
 
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, list_baselines, make_baseline
-from prp_gym.evaluation import METRICS, Evaluation, Rollout, evaluate
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.evaluation import METRICS, Evaluation, Metric, Rollout, evaluate
 from prp_gym.evaluation.results import describe_evaluation, to_plain
-from prp_gym.evaluation.table import COLUMNS, Row, evaluation_table
+from prp_gym.evaluation.scoring import scoring_of
+from prp_gym.evaluation.table import Row, evaluation_table
 from tests.support.made_up_episodes import Array, make_rollout
 
 WIDTH = 120
-LONGEST_LAW = "operational_inverse_dynamics"
+LONGEST_NAME = "operational_inverse_dynamics"
 STEPS = np.ones((3, 1))  # two, and the reset
 
 
-def render(title: str, *rows: Row) -> list[str]:
+def render(title: str, *rows: Row, kind: str = "joint") -> list[str]:
     console = Console(file=StringIO(), width=WIDTH, force_terminal=False, color_system=None)
-    console.print(evaluation_table(title, rows))
+    console.print(evaluation_table(title, rows, scoring_of(IDS[kind]).columns))
     assert isinstance(console.file, StringIO)
     return console.file.getvalue().splitlines()
 
@@ -59,6 +61,15 @@ KINDS: dict[str, dict[str, Array]] = {
 }
 """Fields of an episode by kind of task."""
 
+IDS = {
+    "joint": "PRP-JointTracking-v0",
+    "link": "PRP-Adaptive-v0",
+    "pose": "PRP-PoseRegulation-v0",
+    "model": "PRP-Admittance-v0",
+    "force": "PRP-ForcePosition-v0",
+}
+"""A task of each kind, whose columns are shown."""
+
 
 def episode(seed: int = 0, fields: dict[str, Array] = KINDS["joint"], **changes: Any) -> Rollout:
     count = fields["joint_velocity"].shape[-1]
@@ -75,24 +86,24 @@ def row_of(controller: str, evaluation: Evaluation) -> Row:
     )
 
 
-def row(controller: str = LONGEST_LAW, **changes: Any) -> Row:
+def row(controller: str = LONGEST_NAME, **changes: Any) -> Row:
     return row_of(controller, Evaluation([episode(seed, **changes) for seed in range(3)], 0))
 
 
-def split(*rows: Row) -> tuple[list[str], list[str]]:
+def split(*rows: Row, kind: str = "joint") -> tuple[list[str], list[str]]:
     """The lines above the rule, without the title, and those below it."""
-    lines = render("title", *rows)
+    lines = render("title", *rows, kind=kind)
     rule = next(index for index, line in enumerate(lines) if "───" in line)
     return lines[1:rule], [line for line in lines[rule + 1 :] if line.strip()]
 
 
-def body(*rows: Row) -> list[str]:
-    return split(*rows)[1]
+def body(*rows: Row, kind: str = "joint") -> list[str]:
+    return split(*rows, kind=kind)[1]
 
 
-def cells(*rows: Row) -> list[str]:
-    """What stands between the interval and the law's time, in a single row."""
-    (line,) = body(*rows)
+def cells(*rows: Row, kind: str = "joint") -> list[str]:
+    """What stands between the interval and the compute time, in a single row."""
+    (line,) = body(*rows, kind=kind)
     return line.split()[3:-1]
 
 
@@ -101,7 +112,7 @@ def test_cells_of_a_joint_task_show_the_known_values() -> None:
     # scores ½ in every episode; RMSE over three samples, the first with the whole step; the steady error
     # is that of the last sample; the largest overshoot is joint 2's 3.4 of 100 mm; 3·50 W for 0.02 s
     assert line.split() == [
-        LONGEST_LAW,
+        LONGEST_NAME,
         *("0.500", "0.500-0.500"),
         *("577", "58", "707"),
         *("-12", "3.4", "500"),
@@ -119,19 +130,29 @@ def test_cells_of_a_single_joint_show_one_number() -> None:
 
 def test_cells_of_a_pose_task_show_the_known_values() -> None:
     # RMSE of 100, 3 and 3 mm, of 0, 4 and 4 mrad; 3 mm beyond or before the goal, with a band of 2 mm
-    assert cells(row(fields=KINDS["pose"])) == ["58", "3.3", "3", "never", "0", "0", "0"]
+    assert cells(row(fields=KINDS["pose"]), kind="pose") == ["58", "3.3", "3", "never", "0", "0", "0"]
     beyond = tip((-0.001, 0.0, 0.0, 0.0, 0.0, 0.0))
-    assert cells(row(fields=beyond)) == ["58", "0", "1", "0.01", "1", "0", "0"]
+    assert cells(row(fields=beyond), kind="pose") == ["58", "0", "1", "0.01", "1", "0", "0"]
 
 
 def test_cells_of_a_task_with_a_reference_model_show_the_known_values() -> None:
     # 20 mm and 5 mrad from the model; 5 N once, then lost; (0.3 + 0.4) W, half a sample to either side
-    assert cells(row(fields=KINDS["model"])) == ["20", "5", "5", "1", "7", "0", "0"]
+    assert cells(row(fields=KINDS["model"]), kind="model") == ["20", "5", "5", "1", "7", "0", "0"]
 
 
 def test_cells_of_a_force_task_show_the_known_values() -> None:
     # force errors 2, -2 and 2 N; what stands before them is the orientation's RMSE
-    assert cells(row(fields=KINDS["force"])) == ["3.3", "2", "2", "never", "5", "1", "7", "0", "0"]
+    assert cells(row(fields=KINDS["force"]), kind="force") == [
+        "3.3",
+        "2",
+        "2",
+        "never",
+        "5",
+        "1",
+        "7",
+        "0",
+        "0",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -155,7 +176,7 @@ def test_errors_are_shown_in_thousandths_as_far_as_they_matter(value: float, sho
 
 
 @pytest.mark.parametrize(("time", "shown"), [(3e-7, "0"), (7.6e-6, "8"), (1.2e-3, "1200"), (0.7, "7e5")])
-def test_time_of_a_law_is_shown_in_whole_microseconds(time: float, shown: str) -> None:
+def test_compute_time_is_shown_in_whole_microseconds(time: float, shown: str) -> None:
     fast = make_rollout(joints(), duration=0.02, compute_time=np.full(2, time))
     (line,) = body(row_of("controller", Evaluation([fast], 0)))
     assert line.split()[-1] == shown
@@ -181,19 +202,30 @@ def test_row_without_a_metric_of_another_row_has_a_dash() -> None:
     assert lines[1].split()[3:] == ["-", "-", "-", "-", "0", "0", "42"]
 
 
-def test_columns_are_of_declared_metrics_and_as_wide() -> None:
-    units = {metric.name: metric.units for metric in METRICS}
-    for column in COLUMNS:
-        assert len(column.units) == len(units[column.metric])
-        assert column.unless in ("", *units)
+def test_metric_that_a_table_cannot_show_is_refused() -> None:
+    with pytest.raises(UnknownNameError, match=r"unknown metric 'joint_rms'\. Did you mean 'joint_rmse'"):
+        evaluation_table("title", [row()], ["joint_rms"])
+    with pytest.raises(InvalidValueError, match="'torque_rms'; allowed: one that declares a column"):
+        evaluation_table("title", [row()], ["energy", "torque_rms"])
+
+
+def test_table_shows_the_metrics_that_are_named_in_their_order() -> None:
+    console = Console(file=StringIO(), width=WIDTH, force_terminal=False, color_system=None)
+    console.print(evaluation_table("title", [row(fields=joints([0.1]))], ["saturation", "joint_rmse"]))
+    assert isinstance(console.file, StringIO)
+    assert console.file.getvalue().splitlines()[-2].split()[3:-1] == ["0", "583"]
+
+
+SHOWN = [metric for metric in METRICS.values() if metric.column is not None]
 
 
 PREFIXES = {"m": 1e-3, "": 1.0}
 
 
-@pytest.mark.parametrize("column", COLUMNS, ids=lambda column: column.metric)
-def test_scale_of_a_column_leads_from_the_metrics_units_to_the_shown_ones(column: Any) -> None:
-    (metric,) = (metric for metric in METRICS if metric.name == column.metric)
+@pytest.mark.parametrize("metric", SHOWN, ids=lambda metric: metric.name)
+def test_scale_of_a_column_leads_from_the_metrics_units_to_the_shown_ones(metric: Metric) -> None:
+    column = metric.column
+    assert column is not None
     for shown, own in zip(column.units, metric.units, strict=True):
         assert shown.endswith(own)
         assert column.scale * PREFIXES[shown.removesuffix(own)] == pytest.approx(1.0, rel=1e-12)
@@ -220,8 +252,8 @@ def test_table_of_records_read_back_is_that_of_the_evaluations(kind: str) -> Non
     medians = np.concatenate([value for own in evaluations.values() for value in own.median.values()])
     assert np.isnan(medians).any()
     assert np.isinf(medians).any() or kind not in ("pose", "force")
-    shown = render("title", *(direct(*item) for item in evaluations.items()))
-    assert render("title", *(row_of(*item) for item in evaluations.items())) == shown
+    shown = render("title", *(direct(*item) for item in evaluations.items()), kind=kind)
+    assert render("title", *(row_of(*item) for item in evaluations.items()), kind=kind) == shown
 
 
 def test_best_score_comes_first() -> None:
@@ -241,7 +273,7 @@ UNITS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_title_and_every_unit_stand_above_the_numbers(kind: str) -> None:
     assert render("PRP-Task-v0, scenario realistic", row())[0].strip() == "PRP-Task-v0, scenario realistic"
-    head, _ = split(row(fields=KINDS[kind]))
+    head, _ = split(row(fields=KINDS[kind]), kind=kind)
     assert head[-1].split() == ["controller", "score", "interval", *UNITS[kind]]
 
 
@@ -250,7 +282,7 @@ class Widest(Evaluation):
 
     @cached_property
     def median(self) -> dict[str, Array]:
-        scales = {column.metric: column.scale for column in COLUMNS}
+        scales = {metric.name: metric.column.scale for metric in SHOWN if metric.column}
         signs = {"steady_state_error": -1.0, "steady_state_force_error": -1.0}
         return {
             name: np.full_like(values[0], 9999.0 * signs.get(name, 1.0) / scales.get(name, 1.0))
@@ -265,18 +297,19 @@ class Widest(Evaluation):
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_cut_off_at_120_columns(kind: str) -> None:
     episodes = [episode(seed, KINDS[kind]) for seed in range(3)]
-    lines = render("title", row_of(LONGEST_LAW, Widest(episodes, 0)), row("other", fields=KINDS[kind]))
+    rows = row_of(LONGEST_NAME, Widest(episodes, 0)), row("other", fields=KINDS[kind])
+    lines = render("title", *rows, kind=kind)
     assert max(len(line.rstrip()) for line in lines) <= WIDTH
     assert not any("…" in line for line in lines)
-    (widest,) = (line.split() for line in lines if LONGEST_LAW in line)
-    plain = body(row(fields=KINDS[kind]))[0].split()
+    (widest,) = (line.split() for line in lines if LONGEST_NAME in line)
+    plain = body(row(fields=KINDS[kind]), kind=kind)[0].split()
     assert widest[:3] == plain[:3]
     assert len(widest) == len(plain)
     assert {number.removeprefix("-") for number in widest[3:]} == {"9999", "100"}
 
 
-def test_no_law_has_a_longer_name_than_the_table_was_tried_with() -> None:
-    assert max(map(len, BASELINES)) <= len(LONGEST_LAW)
+def test_no_controller_has_a_longer_name_than_the_table_was_tried_with() -> None:
+    assert max(map(len, BASELINES)) <= len(LONGEST_NAME)
 
 
 @pytest.mark.parametrize("scenario", ["report", "randomized"])
@@ -289,7 +322,8 @@ def test_table_of_real_evaluations_is_whole(environment_id: str, scenario: str) 
         for controller in controllers
     ]
     env.close()
-    lines = render(f"{environment_id}, scenario {scenario}", *rows)
+    kind = next(kind for kind, name in IDS.items() if scoring_of(name) == scoring_of(environment_id))
+    lines = render(f"{environment_id}, scenario {scenario}", *rows, kind=kind)
     assert not any("…" in line for line in lines)
     for controller in controllers:
         assert sum(controller in line for line in lines) == 1

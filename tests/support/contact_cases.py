@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.baselines import BASELINES, Baseline
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.robot import NOMINAL, PRPArm
 from tests.support.contact_plant import LIMIT, Imperfection, Recording, Wall, interface
 from tests.support.pinocchio_model import PinocchioArm, per_row, random_states

@@ -5,10 +5,10 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from prp_gym.action_modes.catalogue import MODES, RESIDUAL
 
 import prp_gym
 from prp_gym.action_modes import list_action_modes
-from prp_gym.action_modes.catalogue import MODES, RESIDUAL
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.robot.arrays import Array

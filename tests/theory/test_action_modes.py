@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prp_gym.action_modes import catalogue
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.envs import PRPEnv
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array

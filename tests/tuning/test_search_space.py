@@ -10,7 +10,7 @@ import pytest
 
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import UnknownNameError
 from prp_gym.tuning import SearchSpace, TuningTask, search_space, start_gains
 

@@ -209,7 +209,8 @@ def test_evaluate_policy_gives_the_returns_of_a_controller(environment_id: str, 
 @pytest.mark.parametrize("environment_id", prp_gym.list_envs())
 def test_controller_is_the_same_for_single_and_vectorised_environments(environment_id: str) -> None:
     single = gymnasium.make(environment_id)
-    expected = prp_gym.make_baseline("adaptive" if "Adaptive" in environment_id else "joint_pd", single)
+    name = "adaptive" if "Adaptive" in environment_id else "joint_pd"
+    expected = prp_gym.make_baseline(name, single)
     makers: list[Callable[[], Any]] = [
         lambda: gymnasium.make_vec(environment_id, 2),
         lambda: SyncVectorEnv([partial(gymnasium.make, environment_id)] * 2),
@@ -219,7 +220,7 @@ def test_controller_is_the_same_for_single_and_vectorised_environments(environme
     ]
     batch = np.random.default_rng(0).uniform(-0.2, 0.2, (5, *(single.observation_space.shape or ())))
     for make in makers:
-        controller = prp_gym.make_baseline(expected.name, make())
+        controller = prp_gym.make_baseline(name, make())
         assert controller.interface.environment_id == environment_id
         assert controller.interface.period == expected.interface.period
         assert controller.interface.layout == expected.interface.layout

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from prp_gym import evaluate, list_agents, load_agent
-from prp_gym.action_modes.catalogue import list_action_modes
+from prp_gym.action_modes import list_action_modes
 from prp_gym.agents.policy.agent_file import CARD, TENSORS, TRAINED, list_seeds
 from prp_gym.agents.policy.environments import environment_revision
 from prp_gym.agents.training.recipes import Recipe
@@ -17,7 +17,7 @@ from prp_gym.agents.training.shipped import ShippedGroup, read_groups
 from prp_gym.cli.ship import SCENARIOS
 from prp_gym.errors import PRPError
 from prp_gym.evaluation.results import to_plain
-from prp_gym.registration import ENVIRONMENTS
+from prp_gym.tasks.spec import TASKS
 from tests.support.made_up_agents import layout_of
 
 GROUPS = read_groups()
@@ -33,7 +33,7 @@ def recipes() -> dict[str, Recipe]:
 
 def released_tasks() -> list[str]:
     """Ids of the tasks that belong to a release; other registered tasks need no trained agent."""
-    return [entry.id for entry in ENVIRONMENTS]
+    return [spec.id for spec in TASKS.values() if spec.released]
 
 
 def test_every_released_task_has_agents_with_five_training_seeds() -> None:

@@ -10,8 +10,8 @@ from gymnasium.wrappers import TimeLimit
 
 import prp_gym
 from prp_gym.baselines import BASELINES, ControlInterface, list_baselines, make_baseline
-from prp_gym.baselines.gains import gain_sets, load_gains
-from prp_gym.baselines.registry import TASK_RENDERING
+from prp_gym.baselines.base.gains import gain_sets, load_gains
+from prp_gym.baselines.base.make import TASK_RENDERING
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 from tests.support.controller_episodes import PAIRS, make

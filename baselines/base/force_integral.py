@@ -1,0 +1,189 @@
+"""How far a force error moves the position target: by fixed gains, or by gains after an online estimate."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
+from prp_gym.robot.arrays import Array
+
+Memory = tuple[Array, ...]
+
+
+class ForceError(NamedTuple):
+    """What is asked of the contact force, along one axis.
+
+    Attributes:
+        axis: n (..., 3), a unit vector into the surface, world frame; zero where no force shows one.
+        desired: n·f_d (..., 1), at least 0 [N].
+        measured: n·f_e (..., 1) by the tip on the surface [N].
+    """
+
+    axis: Array
+    desired: Array
+    measured: Array
+
+    @property
+    def value(self) -> Array:
+        """The force error e = n·f_d - n·f_e (..., 1) [N]."""
+        return self.desired - self.measured
+
+    def along(self, vector: Array) -> Array:
+        """The component (..., 1) of a vector (..., 3) along the axis."""
+        component: Array = np.sum(self.axis * vector, axis=-1, keepdims=True)
+        return component
+
+    @classmethod
+    def of(cls, desired: Array, measured: Array) -> "ForceError":
+        """Along the desired force, or along the measured one where none is desired.
+
+        Args:
+            desired: f_d (..., 3) by the tip on the surface, world frame [N].
+            measured: f_e (..., 3), likewise [N].
+        """
+        size = np.linalg.norm(desired, axis=-1, keepdims=True)
+        along = np.where(size > 0.0, desired, measured)
+        length = np.linalg.norm(along, axis=-1, keepdims=True)
+        axis = np.divide(along, length, out=np.zeros(along.shape), where=length > 0.0)
+        return cls(axis, size, np.sum(axis * measured, axis=-1, keepdims=True))
+
+
+class RateScaling(NamedTuple):
+    """Factors on the rates of a force loop, which an action mode may drive.
+
+    Attributes:
+        approach: factor (..., 1) of the speed before a touch.
+        bandwidth: factor (..., 1) of the bandwidth in contact.
+    """
+
+    approach: Array
+    bandwidth: Array
+
+
+STEADY = RateScaling(np.ones(1), np.ones(1))
+"""Rates as the settings give them."""
+
+
+class ForceIntegral(ABC):
+    """The displacement x_F by which a force error moves the target of a position loop.
+
+    Its memory is a tuple of arrays (..., any size); the first is what an actuator at its limit stops.
+
+    Attributes:
+        arrays: how many they are.
+    """
+
+    arrays: ClassVar[int]
+
+    @abstractmethod
+    def begin(self, shape: tuple[int, ...]) -> Memory:
+        """The memory at the start of an episode, for leading dimensions `shape`."""
+
+    @abstractmethod
+    def step(
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
+    ) -> tuple[Array, Memory]:
+        """One control period.
+
+        Args:
+            memory: of `begin` or of the last call.
+            error: of the force.
+            tip: (..., 3) where the tip is, world frame [m].
+            lag: (..., 3) by which the tip's motion keeps it behind its target [m].
+            rate_scaling: how fast it should be beside what its gains say.
+
+        Returns:
+            x_F (..., 3) [m] for this period, and the memory a period later.
+        """
+
+
+@dataclass(frozen=True)
+class FixedGains(ForceIntegral):
+    """x_F = n (K_F e + K_I ∫e dt).
+
+    Attributes:
+        force_gain: K_F [m/N].
+        integral_gain: K_I [m/(N s)].
+        period: of control [s].
+    """
+
+    force_gain: float
+    integral_gain: float
+    period: float
+
+    arrays: ClassVar[int] = 1
+
+    def begin(self, shape: tuple[int, ...]) -> Memory:
+        """No displacement."""
+        return (np.zeros((*shape, 3)),)
+
+    def step(
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
+    ) -> tuple[Array, Memory]:
+        """See `ForceIntegral.step`; the bandwidth is that of the integral, and there is no approach."""
+        pull = error.axis * error.value
+        (displacement,) = memory
+        after = displacement + self.period * self.integral_gain * rate_scaling.bandwidth * pull
+        return displacement + self.force_gain * pull, (after,)
+
+
+@dataclass(frozen=True)
+class ScheduledGain(ForceIntegral):
+    """ẋ_F = n ω_c e/K̂ in contact, n v before it where a force is desired, and never faster than v.
+
+    On a surface of stiffness K the error decays as exp(-ω_c K/K̂ t): after the estimate K̂, equally fast on
+    all surfaces. At the touch x_F gives back what the inner loop lagged behind it in the approach: the tip
+    brakes at once, and what x_F holds against a disturbance stays. The force then peaks below
+    f_t + K v (dt + 1/(e ω)), e Euler's number, for an inner loop of double pole -ω and a period dt: so much
+    the approach makes unavoidable, f_t being the force at which the touch is noticed.
+    There is no proportional part: K_F e would hand the force sensor's noise to the torques. The surface is
+    taken for a spring: its damping D must stay well below K/ω_c.
+
+    Attributes:
+        bandwidth: ω_c [rad/s].
+        approach_speed: v [m/s].
+        contact_threshold: force from which the tip counts as touching, until half of it is left [N]; half
+            the desired force where that is less.
+        estimator: of the stiffness.
+    """
+
+    bandwidth: float
+    approach_speed: float
+    contact_threshold: float
+    estimator: StiffnessEstimator
+
+    arrays: ClassVar[int] = 3
+
+    def begin(self, shape: tuple[int, ...]) -> Memory:
+        """No displacement, no contact, and an estimator that knows nothing."""
+        return np.zeros((*shape, 3)), np.zeros((*shape, 1)), self.estimator.begin(shape)
+
+    def step(
+        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
+    ) -> tuple[Array, Memory]:
+        """See `ForceIntegral.step`."""
+        displacement, touching = memory[0], memory[1] > 0.0
+        contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
+        ahead = np.maximum(error.along(lag), 0.0)
+        displacement = displacement - np.where(contact & ~touching, error.axis * ahead, 0.0)
+        estimate = self.estimator.update(
+            memory[2], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
+        )
+        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None], rate_scaling)
+        after = displacement + self.estimator.period * error.axis * rate
+        return displacement, (after, contact.astype(np.float64), estimate)
+
+    def _threshold(self, error: ForceError) -> Array:
+        half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)
+        return np.minimum(half, self.contact_threshold)
+
+    def _rate(
+        self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array, rate_scaling: RateScaling
+    ) -> Array:
+        """ẋ_F along the axis (..., 1) [m/s]."""
+        e, v = error.value, self.approach_speed * rate_scaling.approach
+        wanted = self.bandwidth * rate_scaling.bandwidth * e / stiffness
+        return np.where(contact, np.clip(wanted, -v, v), v * (e > 0.0))

@@ -1,0 +1,262 @@
+"""`Baseline`: a classical controller as a policy with Stable-Baselines3's `predict` protocol."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Generic, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.baselines.base.references import (
+    OFFSET_FIELDS,
+    REFERENCE_FIELDS,
+    JointReferences,
+    MovedReferences,
+    PoseReferences,
+    References,
+)
+from prp_gym.baselines.base.settings import Settings
+from prp_gym.errors import InvalidValueError, MissingFieldError
+from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.link import Link, LinkParameters
+from prp_gym.tasks.fields import ObservationLayout
+
+Model = PRPArm | Link
+ControllerState = tuple[Array, ...]
+Observed = Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class ControlInterface:
+    """All that a controller may know of an environment, beside what it observes.
+
+    Attributes:
+        environment_id: its id.
+        layout: of the observation.
+        torque_limit: joint torques at action 1 (joints) [N m, N, N m].
+        period: of control [s].
+        model: the nominal robot, whatever the plant really is.
+        target_impedance: target impedance that the task asks for, by the names of settings: axes (6) of
+            `inertia`, `damping` and `stiffness`; empty where it asks for nothing of the kind.
+    """
+
+    environment_id: str
+    layout: ObservationLayout
+    torque_limit: Array
+    period: float
+    model: Model
+    target_impedance: Mapping[str, Array] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, env: Any) -> Self:
+        """The interface of an environment of this suite or of many alike, wrapped or not.
+
+        Raises:
+            InvalidValueError: another environment, or one whose actions are not torques.
+        """
+        inner = getattr(env, "unwrapped", env)
+        try:
+            task, mode = _attribute(inner, "task"), _attribute(inner, "action_mode")
+            if mode != "torque":
+                raise InvalidValueError(
+                    "action_mode", mode, "'torque': the actions of a controller are torques"
+                )
+            limit = np.asarray(_attribute(inner, "torque_limit"))
+            return cls.of_task(task, limit, 1.0 / _attribute(inner, "control_frequency"))
+        except AttributeError:
+            raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
+
+    @classmethod
+    def of_task(cls, task: Any, torque_limit: Array, period: float) -> Self:
+        """The interface of a task's environments.
+
+        Args:
+            task: a `Task`.
+            torque_limit: joint torques at action 1 (joints) [N m, N, N m].
+            period: of control [s].
+        """
+        return cls(task.environment_id, task.layout, torque_limit, period, task.model, task.target_impedance)
+
+    def model_with(self, parameters: Any) -> Model:
+        """The same robot with other parameters, or the nominal one for None.
+
+        Raises:
+            InvalidValueError: parameters of another robot.
+        """
+        if parameters is None:
+            return self.model
+        if isinstance(parameters, LinkParameters) != isinstance(self.model, Link):
+            expected = type(self.model.parameters).__name__
+            raise InvalidValueError(
+                f"model of {self.environment_id}", type(parameters).__name__, f"a {expected}"
+            )
+        return type(self.model)(parameters)
+
+
+def _attribute(env: Any, name: str) -> Any:
+    """An attribute of an environment, or of the first one of many."""
+    return getattr(env, name) if hasattr(env, name) else env.get_attr(name)[0]
+
+
+SettingsT = TypeVar("SettingsT", bound=Settings)
+
+
+class Baseline(ABC, Generic[SettingsT]):
+    """A controller of one environment, or of many of them at once.
+
+    The state of a stateful controller (integrals, estimates) is a tuple of arrays with the leading dimensions
+    of the observations; it lives with the caller, as a recurrent policy's does.
+
+    Args:
+        interface: what the controller may know of the environment.
+        settings: of the controller.
+
+    Attributes:
+        measured_fields: of the observation that the controller reads beside the reference.
+        settings_class: of its settings.
+        rendered: settings that take the task's target impedance, with gain sets declared to do so.
+        integrators: which arrays of the state stand still while an actuator is at its limit.
+        batched: `predict` also takes several observations at once.
+        settings: of the controller, every vector at its full length.
+        model: the robot with which the controller computes.
+        references: what is desired, in joint or operational space.
+
+    Raises:
+        MissingFieldError: the environment does not observe what the controller reads.
+        ShapeError: a setting of another length.
+        InvalidValueError: a model of another robot.
+    """
+
+    measured_fields: ClassVar[tuple[str, ...]]
+    settings_class: ClassVar[type[Settings]]
+    rendered: ClassVar[tuple[str, ...]] = ()
+    integrators: ClassVar[tuple[int, ...]] = ()
+    batched: ClassVar[bool] = True
+
+    def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
+        missing = self.missing_fields(interface.layout)
+        if missing:
+            raise MissingFieldError(type(self).__name__, missing, interface.layout.names)
+        self.interface = interface
+        self.model = interface.model_with(settings.model)
+        parameters = len(self.model.parameter_vector())
+        sizes = {"joint": self.model.joint_count, "pose": 6, "parameter": parameters}
+        self.settings = settings.sized(sizes)
+        self.references = _references(interface.layout, self.model)
+
+    @classmethod
+    def missing_fields(cls, layout: ObservationLayout) -> list[str]:
+        """Fields that the controller reads and a layout does not have."""
+        missing = [name for name in cls.measured_fields if name not in layout.names]
+        if not any(set(fields) <= set(layout.names) for fields in REFERENCE_FIELDS):
+            missing.append(" or ".join(fields[0] for fields in REFERENCE_FIELDS))
+        return missing
+
+    def initial_state(self, observed: Observed) -> ControllerState:
+        """The state at the start of an episode.
+
+        Args:
+            observed: fields by name, each (..., size).
+
+        Returns:
+            arrays (..., any size); none for a controller without a state.
+        """
+        return ()
+
+    @abstractmethod
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
+        """The control law.
+
+        Args:
+            observed: fields by name, each (..., size), in the units of their declaration.
+            state: of `initial_state` or of the last call.
+
+        Returns:
+            (..., joints) joint torques, unlimited [N m, N, N m], and the state a period later if they
+            are applied as they are.
+        """
+
+    def predict(
+        self,
+        observation: NDArray[Any] | dict[str, NDArray[Any]],
+        state: PolicyState = None,
+        episode_start: NDArray[Any] | None = None,
+        deterministic: bool = True,
+    ) -> tuple[NDArray[np.float32], PolicyState]:
+        """The action for one observation or for several, as Stable-Baselines3's policies give it.
+
+        Args:
+            observation: (size) or (N, size).
+            state: what the last call returned; None at first.
+            episode_start: (N) whether an episode starts with this observation; there the state starts anew.
+            deterministic: of no effect: the controllers are deterministic.
+
+        Returns:
+            action (joints) or (N, joints), within [-1, 1], and the state for the next call, None for a
+            controller without a state.
+
+        Raises:
+            ShapeError: an observation of another size, for instance behind a wrapper that changes it;
+                a state of another controller or number of environments; an `episode_start` of another number.
+            InvalidValueError: an observation that is a dictionary.
+        """
+        if isinstance(observation, dict):
+            raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
+        observed = self.interface.layout.split(observation)
+        before = self._begin(observed, state, episode_start)
+        torque, after = self.control(observed, before)
+        demand = torque / self.interface.torque_limit
+        action = np.clip(demand, -1.0, 1.0)
+        if after and self.integrators:
+            after = self._hold(before, after, np.logical_or.reduce(action != demand, axis=-1))
+        return action.astype(np.float32), after or None
+
+    def _begin(
+        self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None
+    ) -> ControllerState:
+        """The state to go on with: the last one, and a new one where an episode starts."""
+        lead = observed["joint_position"].shape[:-1]
+        fresh = self.initial_state(observed)
+        return state_to_begin_with(fresh, state, episode_start, lead)
+
+    def _hold(
+        self, before: ControllerState, after: ControllerState, limited: NDArray[np.bool_]
+    ) -> ControllerState:
+        """Integrators stand still where an actuator is at its limit (anti-windup)."""
+        if not np.count_nonzero(limited):
+            return after
+        return tuple(
+            np.where(limited[..., None], old, new) if index in self.integrators else new
+            for index, (old, new) in enumerate(zip(before, after, strict=True))
+        )
+
+
+class StaticBaseline(Baseline[SettingsT]):
+    """A controller without a state."""
+
+    @abstractmethod
+    def torque(self, observed: Observed) -> Array:
+        """The control law.
+
+        Args:
+            observed: fields by name, each (..., size), in the units of their declaration.
+
+        Returns:
+            (..., joints) joint torques, unlimited [N m, N, N m].
+        """
+
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
+        """See `Baseline.control`."""
+        return self.torque(observed), state
+
+
+def _references(layout: ObservationLayout, model: Model) -> References:
+    given: References
+    if REFERENCE_FIELDS[0][0] in layout.names or isinstance(model, Link):
+        given = JointReferences()
+    else:
+        given = PoseReferences(model)
+    return MovedReferences(given) if set(OFFSET_FIELDS) & set(layout.names) else given

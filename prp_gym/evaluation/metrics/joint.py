@@ -1,0 +1,137 @@
+"""Metrics of the joints' motion relative to a desired one, for any number of joints up to three."""
+
+import numpy as np
+
+from prp_gym.evaluation.column import Column
+from prp_gym.evaluation.metric import JointMetric, Metric, MetricGroup, Presentation
+from prp_gym.evaluation.metrics import register_metric
+from prp_gym.evaluation.response import (
+    SETTLING_BAND,
+    is_constant,
+    maximum_error,
+    mean_absolute_error,
+    root_mean_square_error,
+    steady_state_error,
+    time_inside_for_good,
+)
+from prp_gym.evaluation.rollout import Rollout
+from prp_gym.robot.arrays import Array
+
+JOINT_MOTION = MetricGroup("Joint motion", 6.0)
+
+RESOLUTION = np.array([2e-3, 2e-4, 2e-3])
+"""Smallest step and band that count [rad, m, rad]: below them a joint is taken to stand still."""
+
+
+def settling_time(time: Array, actual: Array, desired: Array) -> Array:
+    """When every joint has entered its band for good.
+
+    The band is 2 % of the joint's step from start to goal, and at least `RESOLUTION`.
+
+    Args:
+        time: (T) [s].
+        actual: (..., T, joints) [rad, m, rad].
+        desired: (..., T, joints).
+
+    Returns:
+        (...) [s]; infinite if a joint is outside at the end, NaN if the reference moves.
+
+    Source: the settling time of step responses, with a floor under the band.
+    """
+    step = np.abs(desired[..., -1, :] - actual[..., 0, :])
+    band = np.maximum(SETTLING_BAND * step, RESOLUTION[: step.shape[-1]])
+    outside = (np.abs(desired - actual) > band[..., None, :]).any(axis=-1)
+    return np.where(is_constant(desired), time_inside_for_good(time, outside), np.nan)
+
+
+def overshoot(actual: Array, desired: Array) -> Array:
+    """Largest excess beyond the goal over all joints, as a share of the joint's step.
+
+    Args:
+        actual: (..., T, joints) [rad, m, rad].
+        desired: (..., T, joints).
+
+    Returns:
+        (...) [%]; NaN if the reference moves or no joint has a step above `RESOLUTION`.
+
+    Source: the overshoot of step responses.
+    """
+    step = desired[..., -1, :] - actual[..., 0, :]
+    moves = np.abs(step) > RESOLUTION[: step.shape[-1]]
+    excess = ((actual - desired[..., -1:, :]) * np.sign(step)[..., None, :]).max(axis=-2)
+    share = np.where(moves, np.maximum(excess, 0.0) / np.where(moves, np.abs(step), 1.0), 0.0)
+    defined = is_constant(desired) & moves.any(axis=-1)
+    return np.where(defined, 100.0 * share.max(axis=-1), np.nan)
+
+
+def _joints(rollout: Rollout) -> tuple[Array, Array]:
+    return rollout.fields["joint_position"], rollout.fields["desired_joint_position"]
+
+
+_FIELDS = ("joint_position", "desired_joint_position")
+_UNITS = ("rad", "m", "rad")
+
+register_metric(
+    JointMetric(
+        "joint_rmse",
+        _UNITS,
+        "root mean square of each joint's tracking error",
+        _FIELDS,
+        lambda r: root_mean_square_error(*_joints(r)),
+        Presentation(
+            JOINT_MOTION, Column("joint RMSE", ("mrad", "mm", "mrad"), 1e3), "root mean square tracking error"
+        ),
+    )
+)
+register_metric(
+    JointMetric(
+        "joint_mean_error",
+        _UNITS,
+        "mean over time of each joint's absolute tracking error",
+        _FIELDS,
+        lambda r: mean_absolute_error(*_joints(r)),
+        Presentation(JOINT_MOTION, known_as="mean absolute error; times the duration, IAE"),
+    )
+)
+register_metric(
+    JointMetric(
+        "joint_maximum_error",
+        _UNITS,
+        "largest absolute tracking error of each joint",
+        _FIELDS,
+        lambda r: maximum_error(*_joints(r)),
+        Presentation(JOINT_MOTION, known_as="peak tracking error"),
+    )
+)
+register_metric(
+    Metric(
+        "settling_time",
+        ("s",),
+        "when every joint is within 2 % of its step (at least 2 mrad, 0.2 mm) for good; constant references",
+        _FIELDS,
+        lambda r: settling_time(r.time, *_joints(r)),
+        Presentation(JOINT_MOTION, Column("set-\ntling\ntime", ("s",)), "settling time of a step response"),
+    )
+)
+register_metric(
+    Metric(
+        "overshoot",
+        ("%",),
+        "largest excess beyond the goal over a joint's step (above 2 mrad, 0.2 mm); constant references",
+        _FIELDS,
+        lambda r: overshoot(*_joints(r)),
+        Presentation(JOINT_MOTION, Column("over-\nshoot", ("%",)), "overshoot of a step response"),
+    )
+)
+register_metric(
+    JointMetric(
+        "steady_state_error",
+        _UNITS,
+        "mean error of each joint over the last tenth; on references that rest there",
+        _FIELDS,
+        lambda r: steady_state_error(*_joints(r)),
+        Presentation(
+            JOINT_MOTION, Column("steady-state\nerror", ("mrad", "mm", "mrad"), 1e3), "steady-state error"
+        ),
+    )
+)

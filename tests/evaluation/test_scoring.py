@@ -1,0 +1,32 @@
+"""What the tasks declare about their tables and audits refers to metrics that they have."""
+
+import gymnasium
+import pytest
+
+from prp_gym import list_envs
+from prp_gym.baselines import list_baselines, make_baseline
+from prp_gym.evaluation import METRICS, episode_metrics, record_episode
+from prp_gym.evaluation.scoring import scoring_of
+
+
+@pytest.mark.parametrize("environment_id", list_envs())
+def test_columns_and_error_of_a_task_are_metrics_that_its_episodes_have(environment_id: str) -> None:
+    env = gymnasium.make(environment_id, duration=0.1)
+    controller = list_baselines(env.get_wrapper_attr("observation_layout"))[0]
+    found = episode_metrics(record_episode(make_baseline(controller, env), env, 0))
+    env.close()
+    scoring = scoring_of(environment_id)
+    assert len(set(scoring.columns)) == len(scoring.columns) >= 6
+    for name in scoring.columns:
+        assert METRICS[name].column is not None
+        assert name in found
+    assert scoring.error is not None
+    for name, scale in scoring.error.parts.items():
+        assert name.endswith("_mean_error")
+        assert len(scale) == len(found[name])
+    assert scoring.error.reason
+
+
+def test_task_that_is_not_declared_has_neither_columns_nor_an_error() -> None:
+    scoring = scoring_of("PRP-Unknown-v0")
+    assert (scoring.columns, scoring.error) == ((), None)
