@@ -97,7 +97,9 @@ def _show(records: list[Record], target: Path, busy: bool) -> None:
         "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
     )
     if busy:
-        console.print("law µs: measured beside other work; for that of the law alone, choose --jobs 1.")
+        console.print(
+            "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
+        )
     console.print(f"results: {target}", highlight=False)
 
 

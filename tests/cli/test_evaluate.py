@@ -200,4 +200,4 @@ def test_times_measured_on_a_busy_machine_are_told_to_be_so(tmp_path: Path, jobs
     options = ("--env", IDS[0], "--baseline", LAWS[0], "--scenario", "report", "--jobs", str(jobs))
     result = RUNNER.invoke(app, ["evaluate", "--output", str(tmp_path), *options])
     assert result.exit_code == 0, result.output
-    assert ("law µs: measured beside other work" in result.stdout) == told
+    assert ("compute time: per action, measured beside other work" in result.stdout) == told
