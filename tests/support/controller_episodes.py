@@ -26,6 +26,16 @@ def environment(environment_id: str) -> Any:
     return make(environment_id)
 
 
+def kind_of_environment(environment_id: str) -> Hashable:
+    """What can be measured there: the model, its contact, the references and the reference model."""
+    task = environment(environment_id).unwrapped.task
+    return type(task.model), frozenset(task.ground_truth_layout.names)
+
+
+ENVIRONMENTS = list({kind_of_environment(name): name for name in reversed(prp_gym.list_envs())}.values())
+"""One environment of each kind, for what depends on the kind of its fields alone."""
+
+
 def controllers_of(environment_id: str) -> list[str]:
     """The controllers that can run on an environment."""
     return list_baselines(environment(environment_id).get_wrapper_attr("observation_layout"))

@@ -101,6 +101,13 @@ def test_many_equal_one_by_one_across_restarts_and_refills(kind: tuple[str, dict
         np.testing.assert_array_equal(together.time, np.concatenate([loop.time for loop in alone]))
 
 
+def test_episode_is_truncated_in_the_step_that_reaches_its_duration() -> None:
+    loop = a_loop(duration=0.02)  # ten steps
+    loop.reset(EVERYONE, generators(EVERYONE), NONE)
+    ends = [loop.step(action).truncated.tolist() for action in actions(10)]
+    assert ends == [[False] * N] * 9 + [[True] * N]
+
+
 @pytest.mark.parametrize("scenario", SCENARIOS)
 def test_two_threads_give_the_bits_of_one(scenario: str) -> None:
     kind = (TASK, {"scenario": scenario, "torque_limit": LIMIT})
