@@ -2,7 +2,7 @@
 
 import copy
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
@@ -19,12 +19,21 @@ from prp_gym.tasks import SCENARIOS
 
 Outcome = tuple[Array, float, bool, bool, dict[str, Any]]
 RATES = (50, 100, 500, 1000)
-
+SOME = 1.5  # [s]: past the blocks of noise and of reference
 
 COPIES: dict[str, Callable[[PRPEnv], PRPEnv]] = {
     "pickle": lambda env: pickle.loads(pickle.dumps(env)),
     "deepcopy": copy.deepcopy,
 }
+
+
+def rotated(choices: Sequence[Any]) -> list[tuple[str, str, Any]]:
+    """Every environment in every scenario with one of the choices, by turns: all choices in each scenario."""
+    return [
+        (environment_id, scenario, choices[(row + column) % len(choices)])
+        for row, environment_id in enumerate(prp_gym.list_envs())
+        for column, scenario in enumerate(SCENARIOS)
+    ]
 
 
 @pytest.fixture(params=prp_gym.list_envs())
@@ -162,7 +171,7 @@ def test_reset_forgets_all_that_was_before(environment_id: str, scenario: str) -
 def test_same_seed_gives_the_same_episode_to_the_last_bit(environment_id: str, scenario: str) -> None:
     episodes = []
     for _ in range(2):
-        env = made(environment_id, scenario)
+        env = made(environment_id, scenario, duration=SOME)
         first, info = env.reset(seed=42)
         steps = play(env, random_actions(env, env.config.horizon))
         assert steps[-1][2] or steps[-1][3]
@@ -185,7 +194,7 @@ def test_next_reset_without_a_seed_draws_anew_but_reproducibly(environment_id: s
     assert repeats == env.task.scenario.deterministic
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(("environment_id", "scenario", "rate"), rotated(RATES))
 def test_observation_stays_in_its_space_whatever_the_actions(
     environment_id: str, scenario: str, rate: int
 ) -> None:
@@ -223,7 +232,7 @@ def test_info_is_what_was_declared(environment_id: str, scenario: str) -> None:
     assert all(field.unit and field.description for field in env.info_fields)
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(("environment_id", "scenario", "rate"), rotated(RATES))
 def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scenario: str, rate: int) -> None:
     env = made(environment_id, scenario, control_frequency=rate, duration=0.3)
     for episode in range(2):
@@ -236,14 +245,14 @@ def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scena
 
 
 def test_return_lies_between_zero_and_the_duration(environment_id: str, scenario: str) -> None:
-    env = made(environment_id, scenario)
+    env = made(environment_id, scenario, duration=SOME)
     env.reset(seed=11)
     outcomes = play(env, random_actions(env, env.config.horizon))
     assert outcomes[-1][2] or outcomes[-1][3]
     assert 0.0 < sum(outcome[1] for outcome in outcomes) <= env.duration
 
 
-@pytest.mark.parametrize("how", list(COPIES))
+@pytest.mark.parametrize(("environment_id", "scenario", "how"), rotated(list(COPIES)))
 def test_copy_made_in_an_episode_goes_on_as_the_original(
     environment_id: str, scenario: str, how: str
 ) -> None:
