@@ -232,6 +232,10 @@ Jobs = Annotated[int, typer.Option(min=1, help="Defects tried at once.")]
 Check = Annotated[bool, typer.Option("--check/--no-check", help="Run the tests without a defect first.")]
 
 
+app = typer.Typer(add_completion=False)
+
+
+@app.command()
 def main(only: Only = None, jobs: Jobs = 1, check: Check = True) -> None:
     """Put deliberate defects into copies of the tree and say which the tests notice."""
     console = Console(width=150)
@@ -258,4 +262,4 @@ def _try_in_copies(defects: Sequence[Defect], jobs: int, check: bool, console: C
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    app()
