@@ -60,7 +60,7 @@ def assert_off_the_stops(rollout: Rollout) -> None:
     assert hits <= 1, rollout.seed  # one touch is a touch, more are hammering
 
 
-@pytest.mark.parametrize(("environment_id", "motion_law"), zip(OWN_LAW, MOTION_LAWS, strict=True))
+@pytest.mark.parametrize(("environment_id", "motion_law"), list(zip(OWN_LAW, MOTION_LAWS, strict=True)))
 def test_law_of_the_task_is_stable_on_every_seed_keeps_off_the_stops_and_beats_a_motion_law(
     environment_id: str, motion_law: str
 ) -> None:
