@@ -16,6 +16,7 @@ from prp_gym.envs import PRPEnv
 from prp_gym.robot import NOMINAL
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
+from tests.support.covering import by_turns
 
 Outcome = tuple[Array, float, bool, bool, dict[str, Any]]
 RATES = (50, 100, 500, 1000)
@@ -27,13 +28,9 @@ COPIES: dict[str, Callable[[PRPEnv], PRPEnv]] = {
 }
 
 
-def rotated(choices: Sequence[Any]) -> list[tuple[str, str, Any]]:
-    """Every environment in every scenario with one of the choices, by turns: all choices in each scenario."""
-    return [
-        (environment_id, scenario, choices[(row + column) % len(choices)])
-        for row, environment_id in enumerate(prp_gym.list_envs())
-        for column, scenario in enumerate(SCENARIOS)
-    ]
+def every(choices: Sequence[Any]) -> list[tuple[str, str, Any]]:
+    """Every environment in every scenario, with one of the choices."""
+    return by_turns(prp_gym.list_envs(), SCENARIOS, choices)
 
 
 @pytest.fixture(params=prp_gym.list_envs())
@@ -194,7 +191,7 @@ def test_next_reset_without_a_seed_draws_anew_but_reproducibly(environment_id: s
     assert repeats == env.task.scenario.deterministic
 
 
-@pytest.mark.parametrize(("environment_id", "scenario", "rate"), rotated(RATES))
+@pytest.mark.parametrize(("environment_id", "scenario", "rate"), every(RATES))
 def test_observation_stays_in_its_space_whatever_the_actions(
     environment_id: str, scenario: str, rate: int
 ) -> None:
@@ -232,7 +229,7 @@ def test_info_is_what_was_declared(environment_id: str, scenario: str) -> None:
     assert all(field.unit and field.description for field in env.info_fields)
 
 
-@pytest.mark.parametrize(("environment_id", "scenario", "rate"), rotated(RATES))
+@pytest.mark.parametrize(("environment_id", "scenario", "rate"), every(RATES))
 def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scenario: str, rate: int) -> None:
     env = made(environment_id, scenario, control_frequency=rate, duration=0.3)
     for episode in range(2):
@@ -252,7 +249,7 @@ def test_return_lies_between_zero_and_the_duration(environment_id: str, scenario
     assert 0.0 < sum(outcome[1] for outcome in outcomes) <= env.duration
 
 
-@pytest.mark.parametrize(("environment_id", "scenario", "how"), rotated(list(COPIES)))
+@pytest.mark.parametrize(("environment_id", "scenario", "how"), every(list(COPIES)))
 def test_copy_made_in_an_episode_goes_on_as_the_original(
     environment_id: str, scenario: str, how: str
 ) -> None:

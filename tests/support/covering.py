@@ -1,11 +1,12 @@
 """Few combinations of two things that show what the many show: a rule instead of the full product."""
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from typing import TypeVar
 
 First = TypeVar("First", bound=Hashable)
 Second = TypeVar("Second", bound=Hashable)
+Third = TypeVar("Third")
 
 
 def one_of_each(
@@ -32,6 +33,23 @@ def covering(
     kinds = sorted(_grouped(possible, kind).values(), key=len)
     members = {**_grouped(possible, _first), **_grouped(possible, _second)}
     return _chosen(possible, [*kinds, *members.values()])
+
+
+def by_turns(
+    rows: Iterable[First], columns: Iterable[Second], choices: Sequence[Third]
+) -> list[tuple[First, Second, Third]]:
+    """Every row with every column, and one of the choices each, so that every column has all of them.
+
+    Args:
+        rows: at least as many as there are choices.
+        columns: with which each is combined.
+        choices: of which each combination takes the next.
+    """
+    return [
+        (first, second, choices[(row + column) % len(choices)])
+        for row, first in enumerate(rows)
+        for column, second in enumerate(columns)
+    ]
 
 
 def _chosen(
