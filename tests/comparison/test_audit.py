@@ -14,7 +14,7 @@ from prp_gym.comparison.task_error import TASK_ERRORS, TaskError, physical_error
 from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import ShapeError
 from prp_gym.evaluation import METRICS, evaluate
-from tests.support.made_up_comparison import agents, record
+from tests.support.synthetic_comparison import agents, record
 
 ROUNDING = 1e-12  # a few additions of small numbers
 

@@ -8,7 +8,7 @@ import pytest
 
 from prp_gym.evaluation import METRICS, Metric, Rollout, episode_metrics
 from prp_gym.evaluation.metrics import GROUPS
-from tests.support.made_up_episodes import (
+from tests.support.synthetic_episodes import (
     SAMPLES,
     TIME,
     Array,

@@ -15,7 +15,7 @@ from prp_gym.baselines import BASELINES, list_baselines, make_baseline
 from prp_gym.evaluation import METRICS, Evaluation, Rollout, evaluate
 from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.table import COLUMNS, Row, evaluation_table
-from tests.support.made_up_episodes import Array, make_rollout
+from tests.support.synthetic_episodes import Array, make_rollout
 
 WIDTH = 120
 LONGEST_LAW = "operational_inverse_dynamics"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from prp_gym.envs.action_mode import ActionField
 from prp_gym.robot.arrays import Array
 
-MAKER = "tests.support.made_up_mode:make"
+MAKER = "tests.support.synthetic_mode:make"
 WILD: dict[str, Any] = {"action_mode": "late", "action_modes": MAKER, "torque_limit": None}
 GENTLE = 1e-6  # of the limit that stands for none: 1 N m
 NEVER = 0.0
