@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep train compare clean
+.PHONY: evaluate reproduce test mutants lint type bench peers docs pictures sweep train compare clean
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
@@ -15,6 +15,9 @@ reproduce: $(VENV)/.core
 
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n auto
+
+mutants: $(VENV)/.dev
+	$(BIN)/python -m bench.mutants
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -17,7 +17,7 @@ from prp_gym.evaluation import METRICS, Evaluation, Metric, Rollout, evaluate
 from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
-from tests.support.made_up_episodes import Array, make_rollout
+from tests.support.synthetic_episodes import Array, make_rollout
 
 WIDTH = 120
 LONGEST_NAME = "operational_inverse_dynamics"

@@ -21,7 +21,7 @@ import prp_gym
 from prp_gym.agents.sb3 import packages
 from prp_gym.agents.sb3.vec_env import SB3VecEnv
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
-from tests.support.sb3_pair import assert_same
+from tests.support.sb3_environments import assert_same
 
 N = 4
 ID = "PRP-JointRegulation-v0"
