@@ -10,8 +10,7 @@ import pytest
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 from numpy.typing import NDArray
 
-from prp_gym import list_envs
-from prp_gym.baselines import list_baselines, make_baseline
+from prp_gym.baselines import make_baseline
 from prp_gym.errors import InvalidValueError, PolicyOutputError
 from prp_gym.evaluation import record_episode
 from prp_gym.tasks.scenario import SCENARIOS

@@ -12,7 +12,7 @@ import pytest
 
 import prp_gym
 from prp_gym import list_envs
-from prp_gym.baselines import BASELINES, ControllerData, list_baselines, load_gains, make_baseline
+from prp_gym.baselines import BASELINES, ControllerData, load_gains, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tuning import SearchSpace, TuningTask, search_space, start_gains
 from tests.support.controller_episodes import COMBINATIONS, COVERING, environment
