@@ -71,8 +71,8 @@ class EnvConfig:
         default="scenario",
         metadata=describe(
             "N·m, N, N·m",
-            "actuator limits: `scenario` for those of the scenario, one number, one for each joint, or None for"
-            " no limit",
+            "actuator limits: `scenario` for those of the scenario, one number or one for each joint, None"
+            " for no limit",
         ),
     )
     render_mode: str | None = field(

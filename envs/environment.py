@@ -56,7 +56,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
 
     @property
     def ground_truth(self) -> Array:
-        """Ground truth (size), laid out as `task.ground_truth_layout`; policies receive the observation."""
+        """Ground truth (size), laid out as `task.ground_truth_layout`; policies see the observation."""
         return self.ground_truth_of(0)
 
     @property

@@ -99,7 +99,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     @property
     def ground_truth(self) -> Array:
-        """Ground truth (N, size), laid out as `task.ground_truth_layout`; policies receive the observation."""
+        """Ground truth (N, size), laid out as `task.ground_truth_layout`; policies see the observation."""
         return self._loop.ground_truth.copy()
 
     @property
@@ -169,9 +169,9 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         """Advance every environment by one control period.
 
         Args:
-            actions: Actions (N, size), normalised by the bounds of their fields; values beyond ±1 are clipped,
-                and saturated torques are counted in `info`. Actions of environments that are reset in this
-                step are ignored.
+            actions: Actions (N, size), normalised by the bounds of their fields; values beyond ±1 are
+                clipped, and saturated torques are counted in `info`. Actions of environments that are reset
+                in this step are ignored.
 
         Returns:
             Observations (N, size), rewards (N) [s], whether each simulation diverged (N), whether each
