@@ -5,15 +5,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.policy import Baseline, ControlInterface, ControllerState, Observed
-from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.baselines.base.policy import Baseline, ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array, apply, apply_transposed
 
 
 @dataclass(frozen=True, eq=False)
 class AdaptiveSettings(Settings):
-    """Numbers of `Adaptive`; an estimate starts at the parameters of `model`.
+    """Settings of `AdaptiveController`; an estimate starts at the parameters of `model`.
 
     Attributes:
         reference_gain: Λ (joints), diagonal [1/s].
@@ -48,11 +49,11 @@ class AdaptiveSettings(Settings):
             raise InvalidValueError("upper_share", self.upper_share, "at least 1")
 
 
-class Adaptive(Baseline[AdaptiveSettings]):
+class AdaptiveController(Baseline[AdaptiveSettings]):
     """τ = Y(q, q̇, q̇_r, q̈_r) Θ̂ + K_D σ, Θ̂˙ = Γ Yᵀσ, σ = q̇_r - q̇, q̇_r = q̇_d + Λ q̃, q̈_r = q̈_d + Λ q̃˙.
 
     q̃ = q_d - q; Y Θ = B q̈_r + C q̇_r + F_v q̇_r + F_s sign(q̇_r) + g is linear in the parameters Θ of the model,
-    of the arm or of the link. The estimate Θ̂ is what the law remembers.
+    of the arm or of the link. The estimate Θ̂ is the state of the controller.
 
     In continuous time and without torque limits V = ½ σᵀBσ + ½ Θ̃ᵀΓ⁻¹Θ̃ has V̇ = -σᵀ(K_D + F_v)σ, less a
     term of Coulomb friction that is at least 0, so that q̃ vanishes whatever the parameters are; Θ̂ stays
@@ -71,8 +72,6 @@ class Adaptive(Baseline[AdaptiveSettings]):
     velocity and acceleration in place of the measured ones, and with σ in the adaptation.
     """
 
-    name = "adaptive"
-    summary = "adaptive control: follows in joint space and estimates the model's parameters"
     measured_fields = ("joint_position", "joint_velocity")
     settings_class = AdaptiveSettings
     integrators = (0,)
@@ -103,3 +102,15 @@ class Adaptive(Baseline[AdaptiveSettings]):
         rate = self.settings.adaptation_gain * apply_transposed(Y, sliding_variable)
         after = np.clip(estimate + self.interface.period * rate, self._lower, self._upper)
         return torque, (after,)
+
+
+register_controller(
+    ControllerSpec(
+        name="adaptive",
+        summary="adaptive control: follows in joint space and estimates the model's parameters",
+        policy=AdaptiveController,
+        data=ControllerData.beside(__file__),
+        command_inputs=("joint_offset",),
+        chapter=8,
+    )
+)

@@ -5,16 +5,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
-from prp_gym.baselines.policy import ControlInterface, ControllerState, Observed
-from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
+from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.target_model import Displacement, TargetModel
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AdmittanceSettings(Settings):
-    """Numbers of `Admittance`.
+    """Settings of `AdmittanceController`.
 
     Attributes:
         inertia: M_t (pose) of the compliant frame, diagonal, above 0 [kg, kg, kg, kg m^2, kg m^2, kg m^2].
@@ -42,7 +43,7 @@ class AdmittanceSettings(Settings):
     numbers: ClassVar = {"pseudoinverse_damping": "1 (mixed units)"}
 
 
-class Admittance(OperationalBaseline[AdmittanceSettings]):
+class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
     """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_t + K_D (ẋ_t - ẋ) + K_P (x_t - x), x_t = x_d - z.
 
     The compliant frame z obeys M_t z̈ + K_Dt ż + K_Pt z = h_A, h_A = (f_e, 0) by the tip on the surface, and
@@ -55,8 +56,6 @@ class Admittance(OperationalBaseline[AdmittanceSettings]):
     Source: [S] 9.3.2; [R] 13.
     """
 
-    name = "admittance"
-    summary = "admittance: a compliant frame driven by the contact force, tracked by inverse dynamics"
     measured_fields = (*MEASURED_MOTION, "contact_force")
     settings_class = AdmittanceSettings
     rendered = ("inertia", "damping", "stiffness")
@@ -88,3 +87,15 @@ class Admittance(OperationalBaseline[AdmittanceSettings]):
         torque = self.resolved_torque(measured, acceleration, self.settings.pseudoinverse_damping)
         after = self.compliant_frame.advance(z, h_A, h_A)
         return torque + self.contact_torque(measured, force), tuple(after)
+
+
+register_controller(
+    ControllerSpec(
+        name="admittance",
+        summary="admittance: a compliant frame driven by the contact force, tracked by inverse dynamics",
+        policy=AdmittanceController,
+        data=ControllerData.beside(__file__, target_impedance_sets=("tuned", "tuned_50hz")),
+        command_inputs=("pose_offset",),
+        chapter=13,
+    )
+)

@@ -5,15 +5,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.operational import OperationalStaticBaseline
-from prp_gym.baselines.policy import Observed
-from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.baselines.base.operational import OperationalStaticBaseline
+from prp_gym.baselines.base.policy import Observed
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array, apply, apply_transposed
 
 
 @dataclass(frozen=True, eq=False)
 class ComplianceSettings(Settings):
-    """Numbers of `Compliance`, along the axes of the desired frame and of its Euler angles.
+    """Settings of `ComplianceController`, along the axes of the desired frame and of its Euler angles.
 
     Attributes:
         stiffness: K_P (6), diagonal [N/m, ..., N m/rad, ...].
@@ -29,25 +30,23 @@ class ComplianceSettings(Settings):
     }
 
 
-class Compliance(OperationalStaticBaseline[ComplianceSettings]):
+class ComplianceController(OperationalStaticBaseline[ComplianceSettings]):
     """τ = g(q) + J_Adᵀ (K_P x̃ - K_D J_Ad q̇), J_Ad = T_d J_A, x̃ = T_d (x_d - x), T_d = blkdiag(R_dᵀ, I).
 
     R_d is the orientation of the desired frame, from the ZXZ angles of x_d: the position error and its rate
-    are resolved along the axes of that frame, while errors of the Euler angles are taken as they are.
-    The law measures no force. At rest under a force h_e by the tip on the surface J_Adᵀ(K_P x̃ - T_d h_A) = 0,
-    h_A = (h_e, 0): the tip gives way as springs K_P along the desired axes would, as far as three joints
+    are resolved along the axes of that frame, while errors of the Euler angles are taken as they are. The
+    controller measures no force. At rest under a force h_e by the tip on the surface J_Adᵀ(K_P x̃ - T_d h_A)
+    = 0, h_A = (h_e, 0): the tip gives way as springs K_P along the desired axes would, as far as three joints
     permit; a surface of stiffness K at a depth d before the reference is pressed with K K_P/(K + K_P) d.
 
     In continuous time, without torque limits, with a constant x_d that the arm can attain and a passive
     surface, the equilibrium is asymptotically stable for any positive K_P and K_D (Lyapunov function
     ½ q̇ᵀBq̇ + ½ x̃ᵀK_P x̃ + the surface's energy); K_D brakes a moving reference. What is said of
-    `OperationalPD` about turning the short way round and about the sampled loop holds here too.
+    `OperationalPDController` about turning the short way round and about the sampled loop holds here too.
 
     Source: [S] 9.2.1; [R] 11.
     """
 
-    name = "compliance"
-    summary = "compliance control: spring and damper in the desired frame, without force measurement"
     settings_class = ComplianceSettings
     rendered = ("stiffness",)
 
@@ -81,3 +80,15 @@ def _axes_of_pose(pose: Array) -> Array:
         (s_b * s_c, s_b * c_c, c_b),
     )
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+register_controller(
+    ControllerSpec(
+        name="compliance",
+        summary="compliance control: spring and damper in the desired frame, without force measurement",
+        policy=ComplianceController,
+        data=ControllerData.beside(__file__, target_impedance_sets=("tuned",)),
+        command_inputs=("pose_offset",),
+        chapter=11,
+    )
+)

@@ -5,17 +5,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.force_integral import ForceError
-from prp_gym.baselines.force_loop import ForceLoop, ForceLoopSettings
-from prp_gym.baselines.policy import ControllerState, Observed
-from prp_gym.baselines.references import PoseReference
+from prp_gym.baselines.base.force_integral import ForceError
+from prp_gym.baselines.base.force_loop import FORCE_COMMAND_INPUTS, ForceLoop, ForceLoopSettings
+from prp_gym.baselines.base.policy import ControllerState, Observed
+from prp_gym.baselines.base.references import PoseReference
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 
 ORIGINS = ("start", "base")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForceInnerPositionSettings(ForceLoopSettings):
-    """Numbers of `ForceInnerPosition`, beside those of every force law.
+    """Settings of `ForceInnerPositionController`, beside those of every force controller.
 
     Attributes:
         origin: `start` lets the force error move the pose at the episode's start; `base` puts 0 in place of
@@ -27,13 +28,13 @@ class ForceInnerPositionSettings(ForceLoopSettings):
     choices: ClassVar = {**ForceLoopSettings.choices, "origin": ORIGINS}
 
 
-class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
+class ForceInnerPositionController(ForceLoop[ForceInnerPositionSettings]):
     """M_d ẍ = -K_D ẋ + K_P (x_F - x) by inverse dynamics, x_F = x_0 + n (K_F e + K_I ∫e dt).
 
     n = f_d/|f_d| points into the surface, e = n·(f_d - f_e) with f_e by the tip on the surface, x_0 is the
     pose at the start. τ = B J_A⁺(ẍ - J̇_A q̇) + n(q, q̇) + Jᵀf_e hides the contact from the inner loop, which
     stands alone: stable for all positive gains, and held over a period dt for K_D dt < 2 M_d (K_D dt < M_d
-    if torques come a period late). In contact with a spring K along n the loop is
+    with a one-step actuation delay). In contact with a spring K along n the loop is
     M_d s³ + K_D s² + K_P (1 + K K_F) s + K_P K K_I: by Routh it is stable for
     K K_I < (K_D/M_d)(1 + K K_F), without K_F for K K_I < K_D/M_d. Held over dt, K_P (1 + K K_F) dt must
     stay below 2 K_D too: the report's gains serve up to 200 N/m at 500 Hz. So one K_I that is right for
@@ -44,12 +45,10 @@ class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
     Source: [S] 9.4.1; [R] 14.
     """
 
-    name = "force_inner_position"
-    summary = "force control with an inner position loop"
     settings_class = ForceInnerPositionSettings
 
     def initial_state(self, observed: Observed) -> ControllerState:
-        """As every force law's, and the pose at the start; see `Baseline.initial_state`."""
+        """As that of every force controller, and the pose at the start; see `Baseline.initial_state`."""
         return (*super().initial_state(observed), observed["end_effector_pose"].copy())
 
     def base_motion(self, observed: Observed, state: ControllerState, error: ForceError) -> PoseReference:
@@ -59,3 +58,15 @@ class ForceInnerPosition(ForceLoop[ForceInnerPositionSettings]):
             pose = pose.copy()
             pose[..., :3] -= error.axis * error.along(pose[..., :3])
         return PoseReference(pose, np.zeros(pose.shape), np.zeros(pose.shape))
+
+
+register_controller(
+    ControllerSpec(
+        name="force_inner_position",
+        summary="force control with an inner position loop",
+        policy=ForceInnerPositionController,
+        data=ControllerData.beside(__file__),
+        command_inputs=FORCE_COMMAND_INPUTS,
+        chapter=14,
+    )
+)

@@ -5,15 +5,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.operational import MEASURED_MOTION, OperationalStaticBaseline
-from prp_gym.baselines.policy import Observed
-from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalStaticBaseline
+from prp_gym.baselines.base.policy import Observed
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
 class ImpedanceSettings(Settings):
-    """Numbers of `Impedance`, along the axes of the world and of the Euler angles.
+    """Settings of `ImpedanceController`, along the axes of the world and of the Euler angles.
 
     Attributes:
         inertia: M_d (6), diagonal, above 0 [kg, ..., kg m^2, ...].
@@ -32,29 +33,27 @@ class ImpedanceSettings(Settings):
     }
 
 
-class Impedance(OperationalStaticBaseline[ImpedanceSettings]):
+class ImpedanceController(OperationalStaticBaseline[ImpedanceSettings]):
     """τ = B y + n + J_Aᵀh_A, y = J_A⁺M_d⁻¹(M_d ẍ_d + K_D (ẋ_d - ẋ) + K_P x̃ - M_d J̇_A q̇ - h_A), x̃ = x_d - x.
 
     n = C q̇ + F_v q̇ + F_s sign(q̇) + g; h_A = (h_e, 0) is the measured force by the tip on the surface. With
-    the exact model the closed loop is J_Aᵀ(x̃¨ + M_d⁻¹(K_D x̃˙ + K_P x̃ - h_A)) = 0: along an axis that the arm
-    can move on its own it behaves as M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_A; elsewhere, as near to it as three joints
-    come, accelerations weighted equally. There a surface of stiffness K at a depth d before the reference
-    is pressed with K K_P/(K + K_P) d.
+    the exact model the closed loop is J_Aᵀ(x̃¨ + M_d⁻¹(K_D x̃˙ + K_P x̃ - h_A)) = 0: along an axis that the
+    arm can move on its own it behaves as M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_A; elsewhere, as near to it as three
+    joints come, accelerations weighted equally. There a surface of stiffness K at a depth d before the
+    reference is pressed with K K_P/(K + K_P) d.
 
     In continuous time the model M_d, K_D, K_P is stable for any positive numbers, and passive: no passive
     surface makes it unstable. Held over a period dt, K_D dt < 2 M_d and K_P dt < 2 K_D are needed on every
-    axis; in contact with a stiffness K the force acts half a period late through the law but at once on the
-    arm, which takes about K dt (1/M_d - 1/m)/2 off the damping K_D/M_d, m being the mass of the arm along
-    the normal (1.5 kg, down to 0.26 kg): a light M_d on a stiff surface chatters.
+    axis; in contact with a stiffness K the force acts half a period late through the controller but at once
+    on the arm, which takes about K dt (1/M_d - 1/m)/2 off the damping K_D/M_d, m being the mass of the arm
+    along the normal (1.5 kg, down to 0.26 kg): a light M_d on a stiff surface chatters.
 
-    Whoever steers the law may vary K_P by `stiffness_factor` along x, y, z, α and β, with K_D so that every
+    Action modes may scale K_P by `stiffness_factor` along x, y, z, α and β, with K_D so that every
     axis keeps its damping ratio, and that ratio by `damping_factor`.
 
     Source: [S] 9.2.2; [R] 12, with M_d ẍ_d.
     """
 
-    name = "impedance"
-    summary = "impedance control: mass, damper and spring, with force measurement"
     measured_fields = (*MEASURED_MOTION, "contact_force")
     settings_class = ImpedanceSettings
     rendered = ("inertia", "damping", "stiffness")
@@ -79,3 +78,15 @@ def _factor(observed: Observed, name: str) -> Array:
         return np.ones(6)
     factor = observed[name]
     return np.concatenate([factor, np.ones((*factor.shape[:-1], 1))], axis=-1)
+
+
+register_controller(
+    ControllerSpec(
+        name="impedance",
+        summary="impedance control: mass, damper and spring, with force measurement",
+        policy=ImpedanceController,
+        data=ControllerData.beside(__file__, target_impedance_sets=("tuned", "tuned_50hz")),
+        command_inputs=("pose_offset", "stiffness_factor", "damping_factor"),
+        chapter=12,
+    )
+)

@@ -5,8 +5,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.policy import Observed, StaticBaseline
-from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.baselines.base.policy import Observed, StaticBaseline
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array
 
 GRAVITY_MODES = ("current", "desired", "none")
@@ -14,7 +15,7 @@ GRAVITY_MODES = ("current", "desired", "none")
 
 @dataclass(frozen=True, eq=False)
 class JointPDSettings(Settings):
-    """Numbers of `JointPD`.
+    """Settings of `JointPDController`.
 
     Attributes:
         proportional_gain: K_P (joints), diagonal [N m/rad, N/m, N m/rad].
@@ -33,7 +34,7 @@ class JointPDSettings(Settings):
     choices: ClassVar = {"gravity": GRAVITY_MODES}
 
 
-class JointPD(StaticBaseline[JointPDSettings]):
+class JointPDController(StaticBaseline[JointPDSettings]):
     """τ = g + K_P q̃ + K_D (q̇_d - q̇), with q̃ = q_d - q.
 
     g is g(q), g(q_d) or left out. In continuous time, without torque limits, and for a constant reference:
@@ -47,8 +48,6 @@ class JointPD(StaticBaseline[JointPDSettings]):
     Source: [S] 8.5.1; [R] 6.
     """
 
-    name = "joint_pd"
-    summary = "joint-space PD with gravity compensation"
     measured_fields = ("joint_position", "joint_velocity")
     settings_class = JointPDSettings
 
@@ -67,3 +66,15 @@ class JointPD(StaticBaseline[JointPDSettings]):
         if self.settings.gravity == "desired":
             return self.model.gravity_vector(desired)
         return np.zeros(q.shape)
+
+
+register_controller(
+    ControllerSpec(
+        name="joint_pd",
+        summary="joint-space PD with gravity compensation",
+        policy=JointPDController,
+        data=ControllerData.beside(__file__),
+        command_inputs=("joint_offset",),
+        chapter=6,
+    )
+)

@@ -3,15 +3,16 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from prp_gym.baselines.operational import OperationalStaticBaseline
-from prp_gym.baselines.policy import Observed
-from prp_gym.baselines.settings import Settings, Vector
+from prp_gym.baselines.base.operational import OperationalStaticBaseline
+from prp_gym.baselines.base.policy import Observed
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array, apply_transposed
 
 
 @dataclass(frozen=True, eq=False)
 class OperationalPDSettings(Settings):
-    """Numbers of `OperationalPD`.
+    """Settings of `OperationalPDController`.
 
     Attributes:
         proportional_gain: K_P (6), diagonal [N/m, ..., N m/rad, ...].
@@ -27,7 +28,7 @@ class OperationalPDSettings(Settings):
     }
 
 
-class OperationalPD(OperationalStaticBaseline[OperationalPDSettings]):
+class OperationalPDController(OperationalStaticBaseline[OperationalPDSettings]):
     """τ = g(q) + J_Aᵀ (K_P x̃ + K_D (ẋ_d - ẋ)), with x̃ = x_d - x and ẋ = J_A q̇.
 
     In continuous time, without torque limits, and for a constant x_d that the arm can attain, x̃ = 0 is
@@ -45,8 +46,6 @@ class OperationalPD(OperationalStaticBaseline[OperationalPDSettings]):
     Source: [S] 8.6.1; [R] 9, whose x_d is constant.
     """
 
-    name = "operational_pd"
-    summary = "operational-space PD with gravity compensation"
     settings_class = OperationalPDSettings
 
     def torque(self, observed: Observed) -> Array:
@@ -57,3 +56,15 @@ class OperationalPD(OperationalStaticBaseline[OperationalPDSettings]):
         return self.arm.gravity_vector(state.joint_position) + apply_transposed(
             state.jacobian, spring + damper
         )
+
+
+register_controller(
+    ControllerSpec(
+        name="operational_pd",
+        summary="operational-space PD with gravity compensation",
+        policy=OperationalPDController,
+        data=ControllerData.beside(__file__),
+        command_inputs=("pose_offset",),
+        chapter=9,
+    )
+)

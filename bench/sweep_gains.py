@@ -22,7 +22,7 @@ from rich.table import Table
 
 import prp_gym
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import PRPError, UnknownNameError
 from prp_gym.robot.arrays import Array
 
@@ -123,7 +123,11 @@ def inertia_of(controller: str, place: str) -> Array:
         return LINK_INERTIA
     if controller == "compliance":
         return COMPLIANCE_INERTIA
-    return POSE_INERTIA if "end_effector_pose" in BASELINES[controller].measured_fields else mean_inertia()
+    return (
+        POSE_INERTIA
+        if "end_effector_pose" in BASELINES[controller].policy.measured_fields
+        else mean_inertia()
+    )
 
 
 def sweep(controller: str, place: str, rate: float) -> list[tuple[float, float, float]]:

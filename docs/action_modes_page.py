@@ -6,29 +6,36 @@ from itertools import accumulate
 import numpy as np
 
 from docs.tables import NOTE, numbers, table
-from prp_gym.action_modes import RESIDUAL_SHARE, ModeEntry, list_action_modes
-from prp_gym.action_modes.catalogue import MODES, RESIDUAL, SMOOTHING_TIME, residual_field
+from prp_gym.action_modes import (
+    ACTION_MODES,
+    ANY_CONTROLLER,
+    RESIDUAL_SHARE,
+    SMOOTHING_TIME,
+    list_action_modes,
+)
 from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, ActionField, torque_field
 from prp_gym.robot import NOMINAL
 from prp_gym.tasks.fields import ObservationLayout
 
-_ANY_CONTROLLER = f"{RESIDUAL}<law>"
 _RATE = f"{INNER_FREQUENCY:g}"
 _LIMIT = NOMINAL.torque_limit
 _INTRO = f"""What an action means is the keyword `action_mode`, of `gymnasium.make`, `gymnasium.make_vec` and
 `prp_gym.make_sb3_vec_env` alike. An action is always a `Box(-1, 1, (size,), float32)`.
 
-- In mode `{TORQUE}`, the default, it is the joint torques over their limits, held over a control period.
-- In every other mode a law runs inside the environment at {_RATE} Hz, with its `tuned` gains, on what a
-  policy would observe. The action steers it, at the `control_frequency`, which must divide {_RATE}.
-- References and gains follow the action with a delay of first order, {SMOOTHING_TIME:g} s: a stiff law would
-  make a blow of every jump. The torques of a residual are added at once.
-- Zero action leaves the law as it is: the episode is, bit for bit, the law's own at {_RATE} Hz.
-- Sensors, actuators, reward and costs work at {_RATE} Hz, as they do for a law on its own. A step's reward,
-  its terms and its costs are sums over the law's periods; contact force and time are those at the end.
-- `prp_gym.evaluate` records at {_RATE} Hz, so that an agent's metrics compare with a law's.
-- An environment has the modes whose laws read what it observes, and refuses the others with a
+- In mode `{TORQUE}`, the default, it is the joint torques normalised by the actuator limits, held over a
+  control period.
+- In every other mode a controller runs inside the environment at {_RATE} Hz, with its `tuned` gains, on what
+  a policy would observe. The action commands it, at the `control_frequency`, which must divide {_RATE}.
+- References and gains follow the action with a delay of first order, {SMOOTHING_TIME:g} s: a stiff controller
+  would turn every jump into an impact. The torques of a residual are added at once.
+- Zero action leaves the controller as it is: the episode is, bit for bit, its own at {_RATE} Hz.
+- Sensors, actuators, reward and costs work at {_RATE} Hz, as they do for a controller on its own. A step's
+  reward, its terms and its costs are sums over the controller's periods; contact force and time are those at
+  the end.
+- `prp_gym.evaluate` records at {_RATE} Hz, so that an agent's metrics compare with a controller's.
+- An environment has the modes whose controllers read what it observes, and refuses the others with a
   `MissingFieldError`. `make_baseline` refuses environments in modes other than `{TORQUE}`.
+- A mode may drive the command inputs that its controller declares, see [baselines](baselines.md).
 
 `env.unwrapped.action_fields` holds the parts of an action, with units and bounds.
 """
@@ -42,15 +49,15 @@ _SIZES = (
 
 
 def action_modes_page(layouts: Iterable[tuple[str, ObservationLayout]]) -> str:
-    """Every mode with its law, its action, and the environments that have it.
+    """Every mode with its controller, its action, and the environments that have it.
 
     Args:
         layouts: what each environment observes, with its id.
     """
     parts = [NOTE, "# Action modes\n", _INTRO, "## Modes\n"]
     has = {environment_id: modes_of(layout) for environment_id, layout in layouts}
-    rows = [_mode(name, controller, summary, fields, has) for name, controller, summary, fields in _entries()]
-    parts.append(table(("mode", "inner law", "action size", "what an action does", "environments"), rows))
+    rows = [_mode(*entry, has) for entry in _entries()]
+    parts.append(table(("mode", "controller", "action size", "what an action does", "environments"), rows))
     parts += [_SIZES, "## Actions\n"]
     for name, _, _, fields in _entries():
         parts += [f"### {name}\n", _fields(fields)]
@@ -58,27 +65,21 @@ def action_modes_page(layouts: Iterable[tuple[str, ObservationLayout]]) -> str:
 
 
 def modes_of(layout: ObservationLayout) -> list[str]:
-    """The modes of an environment, those that add to a law's torques as one."""
-    names = list_action_modes(layout)
-    return [*(name for name in names if not name.startswith(RESIDUAL)), _ANY_CONTROLLER]
+    """The modes of an environment, those of a family as one."""
+    names = [TORQUE, *(spec.label for spec in ACTION_MODES.values() if spec.is_family)]
+    names += [name for name in list_action_modes(layout) if name in ACTION_MODES]
+    order = [TORQUE, *(spec.label for spec in ACTION_MODES.values())]
+    return sorted(names, key=order.index)
 
 
 def _entries() -> list[tuple[str, str, str, tuple[ActionField, ...]]]:
-    """Name, law, summary and fields of every mode."""
-
-    def steered(entry: ModeEntry) -> tuple[str, str, str, tuple[ActionField, ...]]:
-        return entry.name, f"`{entry.controller}`", entry.summary, entry.fields(len(_LIMIT))
-
-    return [
-        (TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),)),
-        *map(steered, MODES.values()),
-        (
-            _ANY_CONTROLLER,
-            "any that runs there",
-            "adds to a law's torques",
-            (residual_field(_LIMIT, _LIMIT),),
-        ),
-    ]
+    """Name, controller, summary and fields of every mode."""
+    entries = [(TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),))]
+    for spec in ACTION_MODES.values():
+        inside = spec.entry.controller
+        shown = "any that runs there" if inside == ANY_CONTROLLER else f"`{inside}`" if inside else ""
+        entries.append((spec.label, shown, spec.summary, spec.entry.fields(_LIMIT, _LIMIT)))
+    return entries
 
 
 def _mode(

@@ -5,9 +5,7 @@ A test fails when a committed page differs from what this module would write.
 
 import dataclasses
 import inspect
-import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,7 @@ import typer
 from docs.action_modes_page import action_modes_page, modes_of
 from docs.metrics_page import metrics_page
 from docs.tables import NOTE, numbers, table
-from prp_gym.baselines import BASELINES, list_baselines
+from prp_gym.baselines import CONTROLLERS, list_baselines
 from prp_gym.cli.main import app
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
 from prp_gym.envs.base.scenarios import load_scenario
@@ -172,24 +170,21 @@ def _ranges(env: PRPEnv) -> str:
 
 
 def baselines_page() -> str:
-    """Every law with its equation, settings and gain sets."""
+    """Every controller with its equation, settings and gain sets."""
     parts = [NOTE, "# Baselines\n"]
-    parts.append(
-        table(
-            ("controller", "what it is"),
-            ((f"`{n}`", controller.summary) for n, controller in BASELINES.items()),
-        )
-    )
-    gains = tomllib.loads(files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8"))
-    for name, controller in BASELINES.items():
-        parts += [f"\n## {name}\n", inspect.getdoc(controller) or "", "\n### Settings\n"]
-        parts.append(_controller_settings(controller.settings_class))
-        parts += ["### Gain sets\n", _gain_sets(gains[name])]
+    rows = ((f"`{name}`", spec.summary) for name, spec in CONTROLLERS.items())
+    parts.append(table(("controller", "what it is"), rows))
+    for name, spec in CONTROLLERS.items():
+        parts += [f"\n## {name}\n", inspect.getdoc(spec.policy) or "", "\n### Settings\n"]
+        parts.append(_controller_settings(spec.settings_class))
+        inputs = ", ".join(f"`{item}`" for item in spec.command_inputs) or "none"
+        parts.append(f"Command inputs that [action modes](action_modes.md) may drive: {inputs}.\n")
+        parts += ["### Gain sets\n", _gain_sets(spec.data.gains)]
     return "\n".join(parts)
 
 
 def _controller_settings(settings: type[Any]) -> str:
-    """A table of a law's settings, the inherited ones last."""
+    """A table of a controller's settings, the inherited ones last."""
     meanings: dict[str, str] = {}
     for declaration in settings.__mro__:
         text = vars(declaration).get("__doc__") or ""
@@ -219,7 +214,7 @@ def _attributes(text: str, heading: str = "Attributes") -> dict[str, str]:
     return described
 
 
-def _gain_sets(sets: dict[str, Any]) -> str:
+def _gain_sets(sets: Mapping[str, Mapping[str, Any]]) -> str:
     rows = []
     for name, values in sets.items():
         shared = {key: value for key, value in values.items() if not isinstance(value, dict)}
@@ -236,7 +231,7 @@ def _value(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _settings(values: dict[str, Any]) -> str:
+def _settings(values: Mapping[str, Any]) -> str:
     return "; ".join(f"{key} {_value(value)}" for key, value in values.items() if key != "source")
 
 

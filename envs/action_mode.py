@@ -1,20 +1,26 @@
-"""What an action means: its declared parts, and who makes joint torques of it."""
+"""What an action means: its declared parts, what makes joint torques of it, and the registry of modes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import TORQUE_UNITS
+from prp_gym.tasks.fields import ObservationLayout
 
 TORQUE = "torque"
-"""The mode in which an action is the joint torques over their limits."""
+"""The mode in which an action is the joint torques normalised by the actuator limits."""
 
 INNER_FREQUENCY = 500.0
-"""At which the law of every other mode runs [Hz], whatever the rate of actions."""
+"""Control frequency of the controller inside every other mode [Hz], whatever that of the actions."""
+
+ANY_CONTROLLER = "<controller>"
+"""In place of a controller's name: a family of modes, one for each controller."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +67,11 @@ class ActionField:
 
 
 Memory = Any
-"""What a mode remembers between two periods: arrays with the environments along the first axis, or None."""
+"""State of a mode between two periods: arrays with the environments along the first axis, or None."""
 
 
 class ActionMode(Protocol):
-    """Makes joint torques of actions, once in every period of the inner law."""
+    """Makes joint torques of actions, once in every period of the controller inside."""
 
     @property
     def fields(self) -> tuple[ActionField, ...]:
@@ -83,26 +89,155 @@ class ActionMode(Protocol):
             starts: (N) whether an episode starts with this observation.
 
         Returns:
-            (N, joints) torques over their limits; what is beyond ±1 will be clipped; and the memory.
+            (N, joints) torques normalised by the actuator limits, clipped later to ±1; and the memory.
         """
 
 
-class ModeMaker(Protocol):
-    """Makes the action modes beside `torque`."""
+@dataclass(frozen=True, eq=False)
+class ModeSetup:
+    """What an action mode is made for.
 
-    def __call__(self, name: str, task: Any, torque_limit: Array, period: float) -> ActionMode:
-        """The mode of a name.
+    Attributes:
+        task: a `Task`, whose observations the controller inside will read.
+        torque_limit: joint torques at 1 (joints) [N m, N, N m].
+        period: of the controller inside [s].
+    """
+
+    task: Any
+    torque_limit: Array
+    period: float
+
+
+class ModeEntry(Protocol):
+    """The code of an action mode, or of a family of them, one for each controller."""
+
+    @property
+    def controller(self) -> str:
+        """The baseline that runs inside; `ANY_CONTROLLER` of a family, nothing where none does."""
+
+    def endings(self, layout: ObservationLayout | None) -> tuple[str, ...]:
+        """What follows the declared name in the names of the modes that an environment can have.
 
         Args:
-            name: of the mode.
-            task: a `Task`, whose observations the inner law will read.
+            layout: of its observations; None for the modes of all environments.
+
+        Returns:
+            an empty text for a single mode, `:<controller>` for each mode of a family; nothing where the
+            environment does not observe what the controller reads.
+        """
+
+    def fields(self, torque_limit: Sequence[float], nominal: Sequence[float]) -> tuple[ActionField, ...]:
+        """The parts of an action, in order.
+
+        Args:
             torque_limit: joint torques at 1 (joints) [N m, N, N m].
-            period: of the inner law [s].
+            nominal: the robot's own limits (joints) [N m, N, N m].
+        """
+
+    def make(self, ending: str, setup: ModeSetup) -> ActionMode:
+        """The mode.
+
+        Args:
+            ending: of its name.
+            setup: what it is made for.
 
         Raises:
-            UnknownNameError: no such mode.
-            MissingFieldError: the task does not show what the inner law reads.
+            UnknownNameError: the mode names a command input that its controller does not have.
+            MissingFieldError: the task does not show what the controller reads.
         """
+
+
+@dataclass(frozen=True)
+class ActionModeSpec:
+    """The declaration of an action mode, or of a family of them.
+
+    Attributes:
+        name: of the mode, or before the colon in the names of a family's modes.
+        summary: what an action does, in one line for lists.
+        entry: its code.
+        chapter: of the report, for the order of lists.
+        revision: of its behaviour, stored in results and agents' cards.
+    """
+
+    name: str
+    summary: str
+    entry: ModeEntry
+    chapter: float = NOT_IN_THE_REPORT
+    revision: int = 1
+
+    @property
+    def is_family(self) -> bool:
+        """Whether it stands for a mode of each controller."""
+        return self.entry.controller == ANY_CONTROLLER
+
+    @property
+    def label(self) -> str:
+        """The name as lists show it, of a family with a placeholder."""
+        return f"{self.name}:{ANY_CONTROLLER}" if self.is_family else self.name
+
+
+ACTION_MODES: Registry[ActionModeSpec] = Registry("action_mode", "prp_gym.action_modes.modes")
+"""The declared action modes beside `torque`; environments know of controllers through them alone."""
+
+
+def register_action_mode(spec: ActionModeSpec) -> ActionModeSpec:
+    """Declare an action mode, so that every environment that observes enough has it.
+
+    Args:
+        spec: of this or of another package.
+
+    Returns:
+        the same declaration.
+
+    Raises:
+        InvalidValueError: a name that another mode has, or that cannot be a file's name; a revision below 1.
+    """
+    if spec.name == TORQUE:
+        raise InvalidValueError("name of an action mode", spec.name, "one that no other action mode has")
+    return ACTION_MODES.register(spec)
+
+
+def list_action_modes(layout: ObservationLayout | None = None) -> list[str]:
+    """Names of the action modes, or of those that an environment can have.
+
+    Args:
+        layout: `env.unwrapped.observation_layout`; all modes without it.
+    """
+    return [TORQUE, *_named(layout)]
+
+
+def check_action_mode(name: object) -> None:
+    """Refuse what is not the name of an action mode.
+
+    Raises:
+        UnknownNameError: no such mode.
+    """
+    if not isinstance(name, str) or (name != TORQUE and name not in _named()):
+        raise UnknownNameError("action_mode", name, list_action_modes())
+
+
+def make_action_mode(name: str, setup: ModeSetup) -> ActionMode:
+    """An action mode beside `torque`, for a task.
+
+    Args:
+        name: see `list_action_modes`.
+        setup: what it is made for.
+
+    Raises:
+        UnknownNameError: no such mode, or one that names a command input that its controller does not have.
+        MissingFieldError: the task does not show what the controller reads.
+    """
+    modes = _named()
+    if name not in modes:
+        raise UnknownNameError("action_mode", name, list_action_modes())
+    spec, ending = modes[name]
+    return spec.entry.make(ending, setup)
+
+
+def _named(layout: ObservationLayout | None = None) -> dict[str, tuple[ActionModeSpec, str]]:
+    """The declaration and the ending of every mode's name."""
+    specs = ACTION_MODES.values()
+    return {f"{spec.name}{end}": (spec, end) for spec in specs for end in spec.entry.endings(layout)}
 
 
 def torque_field(torque_limit: Array) -> ActionField:

@@ -7,7 +7,7 @@ from typing import Self, TypeVar
 
 import numpy as np
 
-from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE
+from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, check_action_mode
 from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.envs.checks import shaped
 from prp_gym.errors import InvalidValueError, UnknownNameError
@@ -20,7 +20,7 @@ SUBSTEPS_PER_SECOND = 1000
 _LEAST_RATE = 1e-3  # Hz
 RENDER_MODES = ("human", "rgb_array", "depth_array")
 UNLIMITED_TORQUE = 1e6
-"""What `torque_limit=None` stands for [N m, N, N m]: more than any law asks for, yet finite."""
+"""What `torque_limit=None` stands for [N m, N, N m]: more than any controller asks for, yet finite."""
 
 OptionsT = TypeVar("OptionsT")
 
@@ -60,12 +60,9 @@ class EnvConfig:
     )
     action_mode: str = field(
         default=TORQUE,
-        metadata=describe("", "what an action means; `torque`: joint torques over their limits"),
-    )
-    action_modes: str | None = field(
-        default=None,
-        compare=False,  # environments made with or without registration are the same
-        metadata=describe("", "`module:function` that makes the other modes; the registered ids bring one"),
+        metadata=describe(
+            "", "what an action means; `torque`: joint torques normalised by the actuator limits"
+        ),
     )
     torque_limit: TorqueLimit = field(
         default="scenario",
@@ -84,8 +81,7 @@ class EnvConfig:
 
     def __post_init__(self) -> None:
         load_scenario(self.scenario)
-        if self.action_mode != TORQUE and self.action_modes is None:
-            raise UnknownNameError("action_mode", self.action_mode, (TORQUE,))
+        check_action_mode(self.action_mode)
         if self.render_mode is not None and self.render_mode not in RENDER_MODES:
             raise UnknownNameError("render_mode", self.render_mode, RENDER_MODES)
         self._check_numbers()
@@ -106,7 +102,7 @@ class EnvConfig:
         if not divides:
             raise InvalidValueError("control_frequency", rate, f"a divisor of {SUBSTEPS_PER_SECOND}", "Hz")
         if self.action_mode != TORQUE and not _is_whole(INNER_FREQUENCY / rate):
-            allowed = f"a divisor of {INNER_FREQUENCY:g}, the rate of the law in mode {self.action_mode!r}"
+            allowed = f"a divisor of {INNER_FREQUENCY:g}, the frequency inside mode {self.action_mode!r}"
             raise InvalidValueError("control_frequency", rate, allowed, "Hz")
         steps = self.duration * rate
         if not (math.isfinite(steps) and steps > 0.5 and _is_whole(steps)):
@@ -120,12 +116,12 @@ class EnvConfig:
 
     @property
     def periods(self) -> int:
-        """Periods of the inner law in a control period; 1 without one."""
+        """Periods of the controller inside the action mode in a control period; 1 without one."""
         return round(self.inner.control_frequency / self.control_frequency)
 
     @property
     def inner(self) -> Self:
-        """The same at the rate of the inner law; as it is without one."""
+        """The same at the control frequency inside the action mode; as it is in mode `torque`."""
         return self if self.action_mode == TORQUE else replace(self, control_frequency=INNER_FREQUENCY)
 
     @property

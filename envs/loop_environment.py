@@ -3,14 +3,13 @@
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
-from gymnasium.envs.registration import load_env_creator
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
-from prp_gym.envs.action_mode import TORQUE, ActionField, ModeMaker
+from prp_gym.envs.action_mode import TORQUE, ActionField, ModeSetup, make_action_mode
 from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.core.info import InfoField
@@ -59,11 +58,10 @@ def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_thread
     """
     inner = config.inner
     task = make_task(inner)
-    if config.action_modes is None or config.action_mode == TORQUE:
+    if config.action_mode == TORQUE:
         return EpisodeLoop(task, inner, num_envs, num_threads)
-    make_mode = cast(ModeMaker, load_env_creator(config.action_modes))
     limit = config.limits(task.model.parameters.torque_limit)
-    mode = make_mode(config.action_mode, task, limit, 1.0 / inner.control_frequency)
+    mode = make_action_mode(config.action_mode, ModeSetup(task, limit, 1.0 / inner.control_frequency))
     return ModeLoop(task, inner, mode, config.periods, num_envs, num_threads)
 
 

@@ -22,16 +22,23 @@ if TYPE_CHECKING:
     from prp_gym.agents.algorithms import register_algorithm
     from prp_gym.agents.policy.agent_file import list_agents, load_agent
     from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
-    from prp_gym.baselines.registry import list_baselines, make_baseline
+    from prp_gym.baselines.base.function_controller import controller
+    from prp_gym.baselines.base.make import list_baselines, make_baseline
+    from prp_gym.baselines.base.spec import ControllerSpec, register_controller
+    from prp_gym.envs.action_mode import ActionModeSpec, register_action_mode
     from prp_gym.evaluation.evaluate import evaluate
+    from prp_gym.evaluation.metrics import register_metric
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "ActionModeSpec",
+    "ControllerSpec",
     "PRPArm",
     "PRPError",
     "RobotParameters",
     "__version__",
+    "controller",
     "evaluate",
     "list_agents",
     "list_baselines",
@@ -39,18 +46,27 @@ __all__ = [
     "load_agent",
     "make_baseline",
     "make_sb3_vec_env",
+    "register_action_mode",
     "register_algorithm",
+    "register_controller",
+    "register_metric",
     "register_task",
 ]
 
 _IMPORTED_ON_USE = {
+    "ActionModeSpec": "prp_gym.envs.action_mode",
+    "ControllerSpec": "prp_gym.baselines.base.spec",
+    "controller": "prp_gym.baselines.base.function_controller",
     "evaluate": "prp_gym.evaluation.evaluate",
     "list_agents": "prp_gym.agents.policy.agent_file",
-    "list_baselines": "prp_gym.baselines.registry",
+    "list_baselines": "prp_gym.baselines.base.make",
     "load_agent": "prp_gym.agents.policy.agent_file",
-    "make_baseline": "prp_gym.baselines.registry",
+    "make_baseline": "prp_gym.baselines.base.make",
     "make_sb3_vec_env": "prp_gym.agents.sb3.make_vec_env",
     "register_algorithm": "prp_gym.agents.algorithms",
+    "register_metric": "prp_gym.evaluation.metrics",
+    "register_action_mode": "prp_gym.envs.action_mode",
+    "register_controller": "prp_gym.baselines.base.spec",
 }
 
 register_environments()

@@ -144,6 +144,15 @@ class OutputError(PRPError, RuntimeError):
         super().__init__(f"cannot write to {self.path!r}: {self.reason}")
 
 
+class GainsFileError(PRPError, ValueError):
+    """A TOML file of gains that is missing, is not TOML, or holds what a controller does not have."""
+
+    def __init__(self, path: object, what: str) -> None:
+        self.path = str(path)
+        self.what = what
+        super().__init__(f"gains file {self.path!r}: {what}.")
+
+
 class AgentFileError(PRPError, ValueError):
     """The file of a trained agent that is missing, damaged, altered or of another kind."""
 
@@ -151,6 +160,44 @@ class AgentFileError(PRPError, ValueError):
         self.path = str(path)
         self.what = what
         super().__init__(f"agent file {self.path!r}: {what}.")
+
+
+class PluginError(PRPError, RuntimeError):
+    """A plugin that cannot be loaded."""
+
+    def __init__(self, name: str, reason: str, file: str = "", line: int = 0) -> None:
+        self.name = name
+        self.reason = reason
+        self.file = file
+        self.line = line
+        where = f"{file}, line {line}: " if file else ""
+        super().__init__(f"plugin {name!r} cannot be loaded: {where}{reason}")
+
+
+class UserCodeError(PRPError, RuntimeError):
+    """Code that a user has given and that fails, with the line in the user's file."""
+
+    def __init__(self, file: str, line: int, reason: str, environment_id: str = "") -> None:
+        self.file = file
+        self.line = line
+        self.reason = reason
+        self.environment_id = environment_id
+        where = f" (on {environment_id})" if environment_id else ""
+        super().__init__(f"{file}, line {line}: {reason}{where}")
+
+
+class PolicyOutputError(PRPError, ValueError):
+    """What a policy's `predict` returned, where it is not an action and a state."""
+
+    def __init__(self, policy: str, found: str, shape: Sequence[int]) -> None:
+        self.policy = policy
+        self.found = found
+        self.shape = tuple(shape)
+        super().__init__(
+            f"predict of {policy} returned {found}; it must return (action, state) with finite actions of"
+            f" shape {self.shape} for one observation, or with a leading dimension for several if the policy"
+            " has the attribute `batched = True`."
+        )
 
 
 class RenderingError(PRPError, RuntimeError):

@@ -1,5 +1,31 @@
-"""What actions mean beside torques: inner laws that an agent steers. Here laws and environments meet."""
+"""What actions mean beside torques: controllers that an action commands. Here they meet the environments."""
 
-from prp_gym.action_modes.catalogue import RESIDUAL_SHARE, ModeEntry, list_action_modes, make_action_mode
+from prp_gym.action_modes.commanded import SMOOTHING_TIME, CommandedController, CommandInputs
+from prp_gym.action_modes.residual import RESIDUAL_SHARE, ResidualController, ResidualTorque
+from prp_gym.envs.action_mode import (
+    ACTION_MODES,
+    ANY_CONTROLLER,
+    ActionField,
+    ActionModeSpec,
+    ModeSetup,
+    list_action_modes,
+    make_action_mode,
+    register_action_mode,
+)
 
-__all__ = ["RESIDUAL_SHARE", "ModeEntry", "list_action_modes", "make_action_mode"]
+__all__ = [
+    "ACTION_MODES",
+    "ANY_CONTROLLER",
+    "RESIDUAL_SHARE",
+    "SMOOTHING_TIME",
+    "ActionField",
+    "ActionModeSpec",
+    "CommandInputs",
+    "CommandedController",
+    "ModeSetup",
+    "ResidualController",
+    "ResidualTorque",
+    "list_action_modes",
+    "make_action_mode",
+    "register_action_mode",
+]

@@ -1,8 +1,6 @@
 """The command `prp-gym evaluate`."""
 
 import itertools
-import shlex
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -10,99 +8,81 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import gain_sets
-from prp_gym.cli.options import Backend, Controllers, Environments, FirstSeed, Fresh, ParallelWorkers
+from prp_gym.cli.options import (
+    Backend,
+    ControllerNames,
+    Environments,
+    FirstSeed,
+    Fresh,
+    Gains,
+    ParallelWorkers,
+    Plugins,
+    Settings,
+)
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_matrix
-from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import check_protocol
-from prp_gym.evaluation.results import describe_run, prepare_folder, write_json
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
-from prp_gym.runs.job import EvaluationJob, Record, list_jobs
-from prp_gym.runs.run import check_names, run_jobs
-from prp_gym.runs.store import JobStore
+from prp_gym.runs.choice import TUNED, GainsChoice
+from prp_gym.runs.evaluation_job import list_jobs
+from prp_gym.runs.job import Record
+from prp_gym.runs.run import Run
+from prp_gym.runs.selection import Selection
 from prp_gym.runs.workers import Workers
-from prp_gym.tasks.registration import list_envs
-from prp_gym.tasks.scenario import SCENARIOS
 
-_DEFAULT_SCENARIOS = ("report", "randomized")
+_DEFAULT_SCENARIOS = ["report", "randomized"]
 
 
 def evaluate_command(
     env: Environments = None,
-    baseline: Controllers = None,
+    baseline: ControllerNames = None,
     scenario: Annotated[
         list[str] | None, typer.Option(help="Scenario; repeatable. Default: report and randomized.")
     ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each pair.")] = 20,
+    episodes: Annotated[int, typer.Option(help="Episodes of each controller on each environment.")] = 20,
     seed: FirstSeed = 0,
-    gains: Annotated[str, typer.Option(help="Gain set of the laws.")] = "tuned",
-    control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
+    gains: Gains = TUNED,
+    settings: Settings = None,
+    control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
     output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     fresh: Fresh = False,
+    plugin: Plugins = None,
 ) -> None:
-    """Evaluate classical baselines and print a table.
+    """Evaluate controllers and print a table.
 
     A run that was interrupted goes on where it stopped when the same command is given again.
     """
     workers = Workers(jobs, backend)
-    ids = check_names("environment", env or [], list_envs())
-    controllers = check_names("baseline", baseline or [], _controllers_with(gains))
-    scenarios = check_names("scenario", scenario or list(_DEFAULT_SCENARIOS), list(SCENARIOS))
+    chosen = GainsChoice.read(gains, settings or ())
+    selected = Selection.of(env or [], scenario or _DEFAULT_SCENARIOS, baseline or [], chosen)
     check_protocol(episodes, seed)
-    pairs = list_jobs(
-        itertools.product(ids, scenarios), controllers, gains, control_frequency, episodes, seed
+    listed = list_jobs(
+        selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
     )
-    _check_used(baseline or [], pairs)
-    finished = JobStore(output / "pairs")
-    for folder in (output, output / "pairs"):
-        prepare_folder(folder)
-    if fresh:
-        finished.remove(pairs)
-    records = run_jobs(pairs, workers, finished, "evaluating")
-    target = output / "results.json"
-    command = shlex.join(["prp-gym", *sys.argv[1:]])
-    write_json(target, {**describe_run(command), "evaluations": records})
-    finished.remove(pairs)
-    _show(records, target, busy=jobs != 1)
+    selected.check_used(listed)
+    run = Run(output, workers, selected.controllers, fresh)
+    records = run.records(listed, "evaluating")
+    run.write(listed, records, {})
+    _show(records, run)
 
 
-def _controllers_with(gains: str) -> list[str]:
-    """The laws that have a gain set."""
-    controllers = [name for name in BASELINES if gains in gain_sets(name)]
-    if not controllers:
-        raise UnknownNameError("gain set", gains, {item for name in BASELINES for item in gain_sets(name)})
-    return controllers
-
-
-def _check_used(controllers: list[str], pairs: list[EvaluationJob]) -> None:
-    """Refuse a law that was asked for by name and runs on none of the environments."""
-    used = {pair.controller for pair in pairs}
-    for controller in controllers:
-        if controller not in used:
-            raise InvalidValueError(
-                "baseline", controller, f"a law that runs on the chosen environments: {sorted(used)}"
-            )
-
-
-def _show(records: list[Record], target: Path, busy: bool) -> None:
-    """Print the tables, and what to know of them; `busy` if other work ran beside each pair."""
+def _show(records: list[Record], run: Run) -> None:
+    """Print the tables, and what to know of them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     for table in (*_tables(records), *_scores(records)):
         console.print(table)
     console.print(
         "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
     )
-    if busy:
-        console.print("law µs: measured beside other work; for that of the law alone, choose --jobs 1.")
-    console.print(f"results: {target}", highlight=False)
+    if run.busy:
+        console.print("compute time: measured beside other work; for undisturbed times choose --jobs 1.")
+    console.print(f"results: {run.results}", highlight=False)
 
 
 def _tables(records: list[Record]) -> Iterator[Table]:
-    """A table a place, in the order of the records."""
+    """A table for each condition, in the order of the records."""
     for (environment_id, scenario), own in itertools.groupby(
         records, lambda record: (record["environment"], record["scenario"])
     ):
@@ -112,7 +92,7 @@ def _tables(records: list[Record]) -> Iterator[Table]:
 
 
 def _scores(records: list[Record]) -> list[Table]:
-    """The scores alone, a table a scenario; none where there is one environment only."""
+    """The scores alone, a table for each scenario; none where there is one environment only."""
     controllers = list(dict.fromkeys(record["baseline"] for record in records))
     scores = {(r["scenario"], r["environment"], r["baseline"]): r["score"]["value"] for r in records}
     ids = list(dict.fromkeys(record["environment"] for record in records))

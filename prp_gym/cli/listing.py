@@ -7,10 +7,10 @@ import typer
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from prp_gym.action_modes import list_action_modes
-from prp_gym.action_modes.catalogue import MODES, RESIDUAL
+from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import gain_sets
+from prp_gym.baselines.base.gains import gain_sets
+from prp_gym.cli.options import Plugins
 from prp_gym.cli.terminal import make_console, make_matrix
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.tasks.fields import ObservationLayout
@@ -21,6 +21,7 @@ from prp_gym.tasks.spec import TASKS
 def list_command(
     matrix: Annotated[bool, typer.Option("--matrix", help="Show which law runs where, and why not.")] = False,
     modes: Annotated[bool, typer.Option("--modes", help="Show what actions can mean, and where.")] = False,
+    plugin: Plugins = None,
 ) -> None:
     """Show environments, laws and scenarios, or which law runs where, or what actions can mean."""
     console = make_console()
@@ -72,11 +73,11 @@ def _modes(layouts: dict[str, ObservationLayout]) -> Table:
     table = _table("action modes", ("mode", "inner law", "an action", "environments"))
     where = {name: list_action_modes(layout) for name, layout in layouts.items()}
     table.add_row(TORQUE, "", "is the joint torques", "all")
-    for entry in MODES.values():
-        conditions = [name.removeprefix("PRP-") for name, modes in where.items() if entry.name in modes]
+    for spec in ACTION_MODES.values():
+        conditions = [name.removeprefix("PRP-") for name, modes in where.items() if spec.name in modes]
         shown = "all" if len(conditions) == len(where) else ", ".join(conditions)
-        table.add_row(entry.name, entry.controller, entry.summary, shown)
-    table.add_row(f"{RESIDUAL}LAW", "LAW", "adds to its torques", "where LAW runs")
+        shown = f"where {ANY_CONTROLLER} runs" if spec.is_family else shown
+        table.add_row(spec.label, spec.entry.controller, spec.summary, shown)
     return table
 
 

@@ -4,17 +4,55 @@ from typing import Annotated
 
 import typer
 
+from prp_gym.plugins import load_plugins
+
+
+def _load(modules: list[str] | None) -> list[str] | None:
+    load_plugins(modules or [])
+    return modules
+
+
+Plugins = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--plugin",
+        help="Module that declares tasks, controllers or the like and is not installed as a plugin, also one "
+        "of the current folder; repeatable.",
+        callback=_load,
+        is_eager=True,  # names that a plugin declares may stand in other options
+    ),
+]
 Environments = Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")]
-Controllers = Annotated[list[str] | None, typer.Option(help="Law; repeatable. Default: all.")]
+ControllerNames = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--baseline",
+        help="Controller, or your own as path/to/file.py:Name or package.module:Name; repeatable. "
+        "Default: all.",
+    ),
+]
+Gains = Annotated[
+    str, typer.Option(help="Gains of the controllers: the name of a gain set, or a TOML file of settings.")
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="Setting of the controllers in place of that of their gains, with a value in TOML, such as "
+        "stiffness=200; repeatable.",
+    ),
+]
 FirstSeed = Annotated[int, typer.Option(help="Seed of the first episode.")]
 ParallelWorkers = Annotated[
     int,
     typer.Option(
-        help="Pairs at once; 1: in this process, 0: as many as there are cores. "
+        help="Parallel workers; 1: this process alone, 0: as many as there are cores. "
         "Compute times are those of a busy machine unless 1."
     ),
 ]
 Backend = Annotated[
     str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
 ]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Play also what an interrupted run has finished.")]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Run also the jobs that an interrupted run has finished.")
+]

@@ -13,7 +13,7 @@ import typer
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import read_groups
-from prp_gym.cli.options import Backend
+from prp_gym.cli.options import Backend, Plugins
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console
 from prp_gym.cli.training_progress import show_results, train_seeds
 from prp_gym.errors import InvalidValueError
@@ -71,6 +71,7 @@ def train_command(
         int, typer.Option(help="Seeds at once; 1: in this process, 0: as many as there are cores.")
     ] = 0,
     backend: Backend = "loky",
+    plugin: Plugins = None,
 ) -> None:
     """Train agents with Stable-Baselines3 and keep the best policy of each.
 

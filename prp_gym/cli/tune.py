@@ -15,18 +15,20 @@ import typer
 from rich.table import Table
 
 import prp_gym
-from prp_gym.baselines import make_baseline
+from prp_gym.artifacts import list_versions, to_plain, write_json
+from prp_gym.cli.options import Plugins, Settings
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.evaluation.evaluate import episodes_to_play
-from prp_gym.evaluation.results import list_versions, to_plain, write_json
-from prp_gym.runs.job import running_code
+from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice
+from prp_gym.runs.code import running_code
+from prp_gym.runs.tuning_candidates import choose_controller, list_candidates, with_start_gains
 from prp_gym.tasks.registration import list_envs
+from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.episodes import Episodes
-from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.stored_study import StoredStudy
 from prp_gym.tuning.task import VALIDATION_SEED, TuningTask
-from prp_gym.tuning.tune import Tuned, search_space, tune
+from prp_gym.tuning.tune import Tuned, tune
 from prp_gym.tuning.tuned_controller import TunedController, Validation
 
 VALIDATION_EPISODES = 100
@@ -34,7 +36,12 @@ RESULT = "result.json"
 
 
 def tune_command(
-    controller: Annotated[str, typer.Argument(help="Law to tune.")],
+    controller: Annotated[
+        str,
+        typer.Argument(
+            help="Controller to tune, or your own as path/to/file.py:Name or package.module:Name.",
+        ),
+    ],
     env: Annotated[str, typer.Option(help="Environment id.")],
     budget: Annotated[
         int | None, typer.Option(help="Control steps to simulate at most, of all environments together.")
@@ -46,32 +53,45 @@ def tune_command(
         ),
     ] = None,
     scenario: Annotated[str, typer.Option(help="Scenario.")] = "randomized",
-    control_frequency: Annotated[float, typer.Option(help="Actions a second [Hz].")] = 500.0,
+    control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
     episodes: Annotated[int, typer.Option(help="Training episodes of every candidate.")] = 20,
-    seed: Annotated[int, typer.Option(help="Of the search and of its training episodes.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the search and of its training episodes.")] = 0,
+    gains: Annotated[
+        str | None,
+        typer.Option(
+            help="Gains from which the search starts: the name of a gain set, or a TOML file of settings. "
+            "Default: tuned, or tuned_50hz where that is unstable."
+        ),
+    ] = None,
+    settings: Settings = None,
     output: Annotated[Path, typer.Option(help="Folder for the folder of the search.")] = Path("tuning"),
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a search that was interrupted, if there is one.")
     ] = False,
+    plugin: Plugins = None,
 ) -> None:
-    """Tune a classical law with a budget of simulated steps, and compare it with its own tuned gains."""
+    """Tune a controller with a budget of simulated steps, and compare it with the gains that it had."""
     if env not in list_envs():
         raise UnknownNameError("environment", env, list_envs())
     steps = _budget(budget, like, control_frequency)
-    task = TuningTask(env, controller, scenario, control_frequency, steps, episodes, seed)
-    folder = output / f"{env}_{controller}"
+    choice, controllers = choose_controller(controller, GainsChoice.read(gains or TUNED, settings or ()))
+    if gains is None:
+        choice = with_start_gains(choice, controllers, env, control_frequency)
+    task = TuningTask(env, choice.name, scenario, control_frequency, steps, episodes, seed)
+    folder = output / f"{env}_{choice.file_name}"
     with closing(gymnasium.make(env, scenario=scenario, control_frequency=control_frequency)) as made:
-        space = search_space(task, made)
-        study = StoredStudy(folder, space, _key(task), seed, resume)
-        tuned = _search(task, made, space, study)
-        played = episodes_to_play(made, task.episodes)
-        result = _result(task, tuned, played, _validate(task, made, space, tuned))
+        candidates = list_candidates(choice, controllers, made)
+        study = StoredStudy(folder, candidates.space, _key(task, choice), seed, resume)
+        with controllers.reported(choice, made):
+            tuned = _search(task, made, candidates, study)
+            checked = _validate(made, candidates, tuned)
+        result = _result(task, choice, tuned, episodes_to_run(made, task.episodes), checked)
     write_json(folder / RESULT, asdict(result))
     _show(result, folder / RESULT)
 
 
 def _budget(budget: int | None, like: str | None, control_frequency: float) -> int:
-    """The steps asked for, or those of a law in the time that an agent was trained.
+    """The steps asked for, or those of a controller in the simulated time that an agent was trained.
 
     Raises:
         InvalidValueError: none of the two, or both.
@@ -85,37 +105,40 @@ def _budget(budget: int | None, like: str | None, control_frequency: float) -> i
     return math.floor(Fraction(card.steps) * Fraction(control_frequency) / Fraction(card.control_frequency))
 
 
-def _key(task: TuningTask) -> dict[str, Any]:
+def _key(task: TuningTask, choice: ControllerChoice) -> dict[str, Any]:
     """What the trials of a search depend on."""
-    plain: dict[str, Any] = to_plain(
-        {**asdict(task), "code": {**running_code(), "optuna": version("optuna")}}
-    )
+    code = {**running_code(), "optuna": version("optuna")}
+    plain: dict[str, Any] = to_plain({**asdict(task), "start": asdict(choice), "code": code})
     return plain
 
 
-def _search(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace, study: StoredStudy) -> Tuned:
-    """Spend the budget behind a bar."""
+def _search(
+    task: TuningTask, env: gymnasium.Env[Any, Any], candidates: Candidates, study: StoredStudy
+) -> Tuned:
+    """Spend the budget behind a progress bar."""
     before = sum(trial.steps for trial in study.trials)
     if before:
         note = f"{len(study.trials)} trials with {before} steps were finished by an interrupted run."
         make_console(stderr=True).print(note, highlight=False)
     with make_progress() as progress:
         bar = progress.add_task(f"tuning {task.controller} [steps]", total=task.budget, completed=before)
-        return tune(task, env, space, study, lambda trial: progress.advance(bar, trial.steps))
+        return tune(task, env, candidates, study, lambda trial: progress.advance(bar, trial.steps))
 
 
-def _validate(task: TuningTask, env: gymnasium.Env[Any, Any], space: SearchSpace, tuned: Tuned) -> Validation:
+def _validate(env: gymnasium.Env[Any, Any], candidates: Candidates, tuned: Tuned) -> Validation:
     """The best settings and the first ones on episodes that the search did not use."""
-    count = episodes_to_play(env, VALIDATION_EPISODES)
+    count = episodes_to_run(env, VALIDATION_EPISODES)
     episodes = Episodes(env, range(VALIDATION_SEED, VALIDATION_SEED + count))
     found, start = (
-        float(episodes.play(make_baseline(task.controller, env, "tuned", **settings)).scores.mean())
-        for settings in (tuned.settings, space.settings(space.start))
+        float(episodes.run(candidates.make(factors)).scores.mean())
+        for factors in (tuned.best.factors, candidates.space.start)
     )
     return Validation(seed=VALIDATION_SEED, episodes=count, score=found, score_of_tuned=start)
 
 
-def _result(task: TuningTask, tuned: Tuned, episodes: int, validation: Validation) -> TunedController:
+def _result(
+    task: TuningTask, choice: ControllerChoice, tuned: Tuned, episodes: int, validation: Validation
+) -> TunedController:
     return TunedController(
         environment=task.environment_id,
         controller=task.controller,
@@ -135,6 +158,7 @@ def _result(task: TuningTask, tuned: Tuned, episodes: int, validation: Validatio
         seed=task.seed,
         command=shlex.join(["prp-gym", *sys.argv[1:]]),
         versions={**list_versions(), "optuna": version("optuna")},
+        code=choice.facts.get("code", {}),
     )
 
 

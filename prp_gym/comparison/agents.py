@@ -26,9 +26,9 @@ class AgentFile:
         sha256: over both files.
         group: name that it shares with the agents of other training seeds.
         environment_id: in which it was trained.
-        mode: what its actions mean.
-        control_frequency: actions a second [Hz].
-        training_seed: of its training.
+        mode: action mode in which it was trained.
+        control_frequency: of the environment [Hz].
+        training_seed: random seed of its training.
     """
 
     path: str
@@ -66,6 +66,11 @@ def digest(path: Path) -> str:
         found.update(f"{suffix}\0{len(content)}\0".encode())
         found.update(content)
     return found.hexdigest()
+
+
+def agent_revision(card: AgentCard) -> int:
+    """Revision of the behaviour of the task on which an agent was trained; 1 of a card that has none."""
+    return int(getattr(card, "environment_revision", 1))
 
 
 def learning_history(card: AgentCard) -> dict[str, Any]:

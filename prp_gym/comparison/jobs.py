@@ -1,40 +1,47 @@
-"""Pairs of a comparison: laws, laws tuned with a budget or varied, agents, and no torque at all."""
+"""Jobs of a comparison: controllers, the same at equal budget or with other gains, agents, zero torque."""
 
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.agents.policy.agent_file import load_agent
-from prp_gym.baselines import make_baseline
-from prp_gym.baselines.gains import gain_sets
-from prp_gym.comparison.agents import AgentFile, digest, learning_history
+from prp_gym.artifacts import to_plain
+from prp_gym.baselines import CONTROLLERS
+from prp_gym.comparison.agents import AgentFile, agent_revision, digest, learning_history
 from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, VARIED, ZERO
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import evaluate
-from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.rollout import Policy
-from prp_gym.runs.job import EvaluationJob, Record, make_environment
+from prp_gym.runs.choice import GainsChoice
+from prp_gym.runs.controllers import Controllers, gain_sets_of
+from prp_gym.runs.evaluation_job import EvaluationJob, make_environment
+from prp_gym.runs.job import Record, make_record
 from prp_gym.tuning import TunedController, list_tuned_controllers, load_tuned_controller
 
 TORQUE = EnvConfig.action_mode
 UNTRAINED = -1
-"""Training seed of what is not trained."""
+"""Training seed of a policy that is not trained."""
 
 
 class ZeroPolicy:
-    """No torque at all: what a task is worth to who does nothing.
+    """The zero-torque baseline.
 
     Args:
         size: of an action.
+
+    Attributes:
+        batched: `predict` also takes several observations at once.
     """
+
+    batched: ClassVar[bool] = True
 
     def __init__(self, size: int) -> None:
         self._size = size
@@ -55,62 +62,76 @@ def _facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
     return {"policy": policy, "kind": kind, "mode": mode, "training_seed": UNTRAINED, "history": {}}
 
 
-def _play(policy: Policy, env: gymnasium.Env[Any, Any], pair: Any, facts: Mapping[str, Any]) -> Record:
-    evaluation = evaluate(policy, env, pair.episodes, pair.seed)
-    described = describe_evaluation(evaluation, str(facts["policy"]), facts.get("settings", {}))
+def _evaluate(
+    policy: Policy,
+    env: gymnasium.Env[Any, Any],
+    job: Any,
+    facts: Mapping[str, Any],
+    revisions: Mapping[str, int],
+) -> Record:
+    evaluation = evaluate(policy, env, job.episodes, job.seed)
+    described = make_record(evaluation, str(facts["policy"]), facts.get("settings", {}), revisions)
     record: Record = to_plain({**described, **facts})
     return record
 
 
 @dataclass(frozen=True)
 class ControllerJob(EvaluationJob):
-    """A law with a gain set."""
+    """A controller with the gains with which it is compared."""
 
     @property
     def name(self) -> str:
-        """See `Job.name`; another than an evaluation's, whose records say less."""
+        """See `Job.name`; another name than in an evaluation, whose records say less."""
         return f"{super().name}_{CONTROLLER}"
 
-    def play(self) -> Record:
-        """See `Job.play`."""
-        return {**super().play(), **_facts(self.controller, CONTROLLER)}
+    def run(self, controllers: Controllers) -> Record:
+        """See `Job.run`."""
+        return {**super().run(controllers), **_facts(self.controller.name, CONTROLLER)}
 
 
 @dataclass(frozen=True)
 class VariedJob(EvaluationJob):
-    """A law with another gain set than that which is compared: one more policy to try the reward on."""
+    """A controller with another gain set than the compared one: one more policy to audit the reward with."""
 
     @property
     def name(self) -> str:
         """See `Job.name`."""
-        return f"{super().name}_{self.gains}_{VARIED}"
+        return f"{super().name}_{self.controller.gains.name}_{VARIED}"
 
-    def play(self) -> Record:
-        """See `Job.play`."""
-        return {**super().play(), **_facts(f"{self.controller} ({self.gains})", VARIED)}
+    def run(self, controllers: Controllers) -> Record:
+        """See `Job.run`."""
+        policy = f"{self.controller.name} ({self.controller.gains.name})"
+        return {**super().run(controllers), **_facts(policy, VARIED)}
 
 
-def list_varied(pair: EvaluationJob) -> list[VariedJob]:
-    """A law's pair with each of its other gain sets that is stable at the pair's rate."""
-    facts = vars(pair)
+def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]:
+    """A controller's job with each of its other gain sets that is stable at the control frequency.
+
+    Args:
+        job: with the gains that are compared.
+        controllers: where controllers come from.
+    """
     found = []
-    with closing(make_environment(pair.environment_id, pair.scenario, pair.control_frequency)) as env:
-        for gains in gain_sets(pair.controller):
-            with suppress(InvalidValueError):  # refused as unstable at this rate
-                make_baseline(pair.controller, env, gains)
-                found.append(VariedJob(**{**facts, "gains": gains}))
-    return [item for item in found if item.gains != pair.gains]
+    with closing(make_environment(job.environment_id, job.scenario, job.control_frequency)) as env:
+        for gains in gain_sets_of(controllers.find(job.controller)):
+            choice = replace(job.controller, gains=GainsChoice(gains))
+            if choice == job.controller:
+                continue
+            with suppress(InvalidValueError):  # refused as unstable at this control frequency
+                controllers.make(choice, env)
+                found.append(VariedJob(**{**vars(job), "controller": choice}))
+    return found
 
 
 @dataclass(frozen=True)
 class ZeroTorqueJob:
-    """No torque on an environment.
+    """The zero-torque baseline on an environment.
 
     Attributes:
         environment_id: for `gymnasium.make`.
         scenario: of the environment.
-        control_frequency: actions a second [Hz].
-        episodes: that are played.
+        control_frequency: of the environment [Hz].
+        episodes: number of episodes.
         seed: of the first episode.
     """
 
@@ -125,21 +146,21 @@ class ZeroTorqueJob:
         """See `Job.name`."""
         return f"{self.environment_id}_{self.scenario}_{ZERO}"
 
-    def play(self) -> Record:
-        """See `Job.play`."""
+    def run(self, controllers: Controllers) -> Record:
+        """See `Job.run`."""
         with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
             size = int(np.prod(env.action_space.shape or ()))
-            return _play(ZeroPolicy(size), env, self, _facts(ZERO, ZERO))
+            return _evaluate(ZeroPolicy(size), env, self, _facts(ZERO, ZERO), {})
 
 
 @dataclass(frozen=True)
 class BudgetJob:
-    """A law with the settings that tuning with a budget has found, at the rate at which it found them.
+    """A controller with the settings that tuning at equal budget found, at the same control frequency.
 
     Attributes:
-        tuned: the law, and how it was tuned.
+        tuned: the controller, and how it was tuned.
         scenario: of the environment.
-        episodes: that are played.
+        episodes: number of episodes.
         seed: of the first episode.
     """
 
@@ -158,20 +179,21 @@ class BudgetJob:
         """See `Job.name`."""
         return f"{self.environment_id}_{self.scenario}_{self.tuned.controller}_{BUDGET}"
 
-    def play(self) -> Record:
-        """See `Job.play`."""
+    def run(self, controllers: Controllers) -> Record:
+        """See `Job.run`."""
         tuned = self.tuned
         facts = {
             **_facts(f"{tuned.controller} ({BUDGET})", BUDGET),
             "settings": tuned.settings,
             "history": _tuning_history(tuned),
         }
+        revisions = {"controller": CONTROLLERS.find(tuned.controller).revision}
         with closing(make_environment(self.environment_id, self.scenario, tuned.control_frequency)) as env:
-            return _play(tuned.make(env), env, self, facts)
+            return _evaluate(tuned.make(env), env, self, facts, revisions)
 
 
 def _tuning_history(tuned: TunedController) -> dict[str, Any]:
-    """How the best score grew in tuning; times and violations are not known."""
+    """How the best score grew in tuning; wall times and violations were not recorded."""
     unknown = [np.nan] * len(tuned.history)
     return {
         "scenario": tuned.scenario,
@@ -184,10 +206,14 @@ def _tuning_history(tuned: TunedController) -> dict[str, Any]:
 
 
 def find_tuned_controllers(environment_id: str, controllers: Sequence[str]) -> list[TunedController]:
-    """Those of some laws that come with the package as tuned with a budget on an environment.
+    """Those of some controllers that come with the package as tuned at equal budget on an environment.
+
+    Args:
+        environment_id: id of the environment.
+        controllers: names.
 
     Raises:
-        InvalidValueError: a file that is damaged, or of another law or environment than its name says.
+        InvalidValueError: a file that is damaged, or of another controller or environment than its name says.
     """
     names = list_tuned_controllers(environment_id)
     found = []
@@ -196,19 +222,19 @@ def find_tuned_controllers(environment_id: str, controllers: Sequence[str]) -> l
             tuned = load_tuned_controller(name)
             held = f"{tuned.environment}/{tuned.controller}"
             if held != name:
-                raise InvalidValueError(f"content of tuned law {name!r}", held, name)
+                raise InvalidValueError(f"content of tuned controller {name!r}", held, name)
             found.append(tuned)
     return found
 
 
 @dataclass(frozen=True)
 class AgentJob:
-    """A learned agent in a scenario, in its own action mode and at its own rate.
+    """A learned agent in a scenario, in its own action mode and at its own control frequency.
 
     Attributes:
         agent: its file.
         scenario: of the environment.
-        episodes: that are played.
+        episodes: number of episodes.
         seed: of the first episode.
     """
 
@@ -228,11 +254,11 @@ class AgentJob:
         group = re.sub(r"[^\w-]+", "-", self.agent.group)
         return f"{self.environment_id}_{self.scenario}_{AGENT}_{group}_{self.agent.sha256[:16]}"
 
-    def play(self) -> Record:
-        """See `Job.play`.
+    def run(self, controllers: Controllers) -> Record:
+        """See `Job.run`.
 
         Raises:
-            InvalidValueError: the agent's files have changed since the pair was made.
+            InvalidValueError: the agent's files have changed since the job was made.
         """
         agent = self.agent
         path = Path(agent.path)  # not a name, which may be that of another
@@ -246,7 +272,7 @@ class AgentJob:
             "sha256": agent.sha256,
         }
         with closing(policy.make_env(scenario=self.scenario)) as env:
-            return _play(policy, env, self, facts)
+            return _evaluate(policy, env, self, facts, {"agent": agent_revision(policy.card)})
 
 
 ComparisonJob = ControllerJob | VariedJob | ZeroTorqueJob | BudgetJob | AgentJob

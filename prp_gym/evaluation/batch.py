@@ -1,4 +1,4 @@
-"""Episodes of many seeds played side by side."""
+"""Episodes of many seeds, simulated side by side."""
 
 import time
 from collections.abc import Sequence
@@ -9,11 +9,12 @@ import numpy as np
 from gymnasium.utils import seeding
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
+from prp_gym.evaluation.policy_output import check_output
 from prp_gym.evaluation.recorder import Recorder
 from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
 from prp_gym.robot.arrays import Array
 
-_TIMED = 64  # actions that a policy is timed on
+_TIMED = 64  # actions on which the compute time of a policy is measured
 _SIDE_BY_SIDE = 64  # episodes at most; bounds the memory
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker)
 
@@ -22,7 +23,7 @@ def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
     """Whether an environment of this suite is stepped as its loop is.
 
     Nothing but Gymnasium's own checks may be wrapped around it, its class may not step or reset in its own
-    way, and nobody may be looking on.
+    way, and it may not render frames.
     """
     while isinstance(env, gymnasium.Wrapper):
         if type(env) not in _TRANSPARENT:
@@ -35,10 +36,10 @@ def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
 
 
 def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> list[Rollout]:
-    """Play one episode a seed, all at once, and record them.
+    """Run one episode for each seed, all at once, and record them.
 
-    An episode is the one that the environment itself would play with its seed. The policy is asked for all
-    actions together, and is timed on single observations now and then.
+    Each episode is the one that the environment itself would run with that seed. The policy is asked for all
+    actions together; its compute time is measured on single observations from time to time.
 
     Args:
         policy: whose `predict` takes (N, size) observations.
@@ -50,6 +51,7 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
 
     Raises:
         InvalidValueError: an environment of another suite.
+        PolicyOutputError: the policy returns something else than finite actions and a state.
     """
     inner: Any = check_environment(env)
     rollouts: list[Rollout] = []
@@ -64,13 +66,15 @@ def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
     observation = loop.reset(np.arange(len(seeds)), rngs, {})
     horizon, recorder, times = inner.config.horizon, Recorder(inner, loop), []
+    shape = tuple(inner.action_space.shape)
     state, starts = None, everyone
     pauses = set(np.linspace(0, horizon - 1, _TIMED, dtype=int).tolist())
     with recorder.listening():
         for index in range(horizon):
             if index in pauses:
                 times.append(_time_one(policy, observation[0]))
-            action, state = policy.predict(observation, state, episode_start=starts, deterministic=True)
+            output = policy.predict(observation, state, episode_start=starts, deterministic=True)
+            action, state = check_output(policy, output, (len(seeds), *shape))
             step = loop.step(np.asarray(action, dtype=np.float64))
             observation, starts = step.observation, ~everyone
             if step.terminated.any():

@@ -1,4 +1,4 @@
-"""One episode, played through an environment's wrappers and recorded."""
+"""One episode, run through an environment's wrappers and recorded."""
 
 import time
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from prp_gym.evaluation.policy_output import check_output
 from prp_gym.evaluation.recorder import Recorder
 from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
 
@@ -13,7 +14,7 @@ from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
 def record_episode(
     policy: Policy, env: gymnasium.Env[Any, Any], seed: int, options: dict[str, Any] | None = None
 ) -> Rollout:
-    """Play one episode and record it.
+    """Run one episode and record it.
 
     Args:
         policy: reads the environment's observations.
@@ -26,16 +27,19 @@ def record_episode(
 
     Raises:
         InvalidValueError: an environment of another suite.
+        PolicyOutputError: the policy returns something else than a finite action and a state.
     """
     inner: Any = check_environment(env)
+    shape = tuple(env.action_space.shape or ())
     observation, _ = env.reset(seed=seed, options=options)
     recorder, costs = Recorder(inner, inner.loop), []
     state, start, over = None, np.array([True]), False
     with recorder.listening():
         while not over:
             before = time.perf_counter()
-            action, state = policy.predict(observation, state, episode_start=start, deterministic=True)
+            output = policy.predict(observation, state, episode_start=start, deterministic=True)
             costs.append(time.perf_counter() - before)
+            action, state = check_output(policy, output, shape)
             observation, _, terminated, truncated, _ = env.step(action)
             start, over = np.array([False]), terminated or truncated
     return recorder.rollout(0, seed, np.array(costs))

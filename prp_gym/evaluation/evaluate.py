@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import gymnasium
 import numpy as np
@@ -12,9 +12,17 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.batch import can_batch, record_episodes
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.metrics import episode_metrics
+from prp_gym.evaluation.policy_output import takes_batches
 from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
 from prp_gym.robot.arrays import Array
+
+
+class Makeable(Protocol):
+    """The declaration of a policy, from which one is made for an environment."""
+
+    def make(self, env: gymnasium.Env[Any, Any]) -> Policy:
+        """The policy for an environment."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +30,7 @@ class Evaluation:
     """Recorded episodes of one policy on one environment.
 
     Attributes:
-        rollouts: one an episode, in the order of their seeds.
+        rollouts: one for each episode, in the order of their seeds.
         seed: of the first episode; it also seeds the bootstrap.
     """
 
@@ -53,27 +61,30 @@ class Evaluation:
 
 
 def _median(values: Array) -> Array:
-    """Median over the first axis of what is not NaN."""
+    """Median over the first axis of the values that are not NaN."""
     kept = [column[~np.isnan(column)] for column in values.T]
     return np.array([np.median(column) if len(column) else np.nan for column in kept])
 
 
 def evaluate(
-    policy: Policy,
+    policy: Policy | Makeable,
     env: gymnasium.Env[Any, Any],
     episodes: int = 20,
     seed: int = 0,
     on_episode: Callable[[], None] = lambda: None,
 ) -> Evaluation:
-    """Play and record episodes with the seeds seed, seed + 1, ...
+    """Run and record episodes with the seeds seed, seed + 1, ...
 
-    Every policy meets the same episodes under the same seeds, so that results can be paired. A
-    deterministic scenario is played once: more episodes would be copies.
+    Every policy meets the same episodes under the same seeds, so that results can be compared episode by
+    episode. A deterministic scenario is run once: more episodes would be copies.
 
-    The episodes are played side by side, unless a wrapper changes what the policy sees or does.
+    The episodes are simulated side by side if the policy takes several observations at once, as those of this
+    suite and of Stable-Baselines3 do, and if no wrapper changes what it observes or does. Any other policy is
+    asked one observation at a time, episode after episode, unless it has the attribute `batched = True`.
 
     Args:
-        policy: with Stable-Baselines3's `predict`, for one observation and for several.
+        policy: with Stable-Baselines3's `predict`, or the declaration of a controller, which is made for the
+            environment with its tuned gains.
         env: an environment of this suite.
         episodes: how many.
         seed: of the first.
@@ -84,24 +95,41 @@ def evaluate(
 
     Raises:
         InvalidValueError: fewer than one episode, a negative seed, an environment of another suite.
+        PolicyOutputError: the policy returns something else than finite actions and a state.
     """
     check_protocol(episodes, seed)
-    count = episodes_to_play(env, episodes)
+    count = episodes_to_run(env, episodes)
+    asked = _policy(policy, env)
     seeds = range(int(seed), int(seed) + count)
-    if count > 1 and can_batch(env):
-        rollouts = record_episodes(policy, env, seeds)
+    if count > 1 and takes_batches(asked) and can_batch(env):
+        rollouts = record_episodes(asked, env, seeds)
         for _ in seeds:
             on_episode()
         return Evaluation(rollouts, seed)
     rollouts = []
     for own in seeds:
-        rollouts.append(record_episode(policy, env, own))
+        rollouts.append(record_episode(asked, env, own))
         on_episode()
     return Evaluation(rollouts, seed)
 
 
+def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
+    """A policy itself, or the one that a declaration makes for an environment.
+
+    Raises:
+        InvalidValueError: neither of the two.
+    """
+    if hasattr(given, "predict"):
+        policy: Policy = given
+        return policy
+    if not hasattr(given, "make"):
+        allowed = "an object with `predict`, or the declaration of a controller"
+        raise InvalidValueError("policy", given, allowed)
+    return given.make(env)
+
+
 def check_protocol(episodes: int, seed: int) -> None:
-    """Refuse a number of episodes or a seed with which nothing can be played.
+    """Refuse a number of episodes or a first seed that is not allowed.
 
     Raises:
         InvalidValueError: fewer than one episode, a negative seed, a number that is not whole.
@@ -111,7 +139,7 @@ def check_protocol(episodes: int, seed: int) -> None:
             raise InvalidValueError(what, value, f"a whole number, at least {least}")
 
 
-def episodes_to_play(env: gymnasium.Env[Any, Any], episodes: int) -> int:
+def episodes_to_run(env: gymnasium.Env[Any, Any], episodes: int) -> int:
     """1 where every episode is the same, else as many as asked for."""
     task = getattr(env.unwrapped, "task", None)
     if task is None:

@@ -1,4 +1,4 @@
-"""A recorded episode, and who may play one."""
+"""A recorded episode, and the protocol of policies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +13,11 @@ from prp_gym.robot.arrays import Array
 
 
 class Policy(Protocol):
-    """Whatever has Stable-Baselines3's `predict`: a baseline, a trained agent."""
+    """Anything with Stable-Baselines3's `predict`: a baseline, a trained agent, a user's own class.
+
+    A policy whose `predict` also takes several observations, (N, size), says so by the attribute
+    `batched = True`; see `prp_gym.evaluation.policy_output.takes_batches`.
+    """
 
     def predict(
         self,
@@ -27,23 +31,25 @@ class Policy(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """One episode of T periods.
+    """One episode of T control periods.
 
     Attributes:
         environment_id: of the environment.
         scenario: its scenario.
         seed: with which the episode was reset.
-        period: of the torques: that of control, or of the inner law where there is one [s].
-        duration: that the episode was to have [s].
-        fields: what was true, by field name (T + 1, size), the first row from the reset; those of the
-            observation, without the errors of sensors, and those that the task judges by.
+        period: time between torques: the control period, or that of the inner controller of an action mode
+            [s].
+        duration: length that the episode has unless it diverges [s].
+        fields: ground truth by field name (T + 1, size), the first row from the reset; the fields of the
+            observation, without sensor errors, and those from which the task computes its reward.
         torque: commanded torques within the actuator limits (T, joints) [N m, N, N m].
-        applied_torque: torques that acted, late and noisy where the scenario says so (T, joints).
-        reward: (T), the sum of the reward terms in `info`, whatever a wrapper makes of it [s].
+        applied_torque: torques that acted on the joints (T, joints), with the scenario's actuation delay and
+            noise [N m, N, N m].
+        reward: sum of the reward terms in `info` (T), not changed by wrappers [s].
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
-        compute_time: of the policy for one action, some or all of them [s]; the only part that is not
-            reproducible. What an inner law takes is not in it.
+        compute_time: time that the policy took for an action, for some or all actions [s]; the only part
+            that is not reproducible. It does not include the inner controller of an action mode.
     """
 
     environment_id: str

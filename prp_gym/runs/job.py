@@ -1,27 +1,17 @@
-"""What is evaluated: a policy on an environment in a scenario, played in whichever process."""
+"""What a job is: a policy on an environment in a scenario, evaluated in whichever process."""
 
-import hashlib
 import platform
-from collections.abc import Iterable, Sequence
-from contextlib import closing
+from collections.abc import Mapping
 from dataclasses import Field, dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
-import gymnasium
-
-import prp_gym
-import prp_gym.agents
-import prp_gym.baselines
-import prp_gym.envs
-from prp_gym.baselines import list_baselines, make_baseline
+from prp_gym.artifacts import to_plain
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.evaluate import episodes_to_play, evaluate
-from prp_gym.evaluation.results import describe_evaluation, list_versions, to_plain
-
-_SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines, prp_gym.agents)
-_SUFFIXES = (".py", ".toml")
+from prp_gym.evaluation.evaluate import Evaluation
+from prp_gym.evaluation.results import describe_evaluation
+from prp_gym.runs.code import running_code
+from prp_gym.runs.controllers import Controllers
+from prp_gym.tasks.spec import TASKS
 
 Record = dict[str, Any]
 """An evaluation as the results file holds it."""
@@ -34,59 +24,26 @@ class Job(Protocol):
 
     @property
     def environment_id(self) -> str:
-        """For `gymnasium.make`."""
+        """Id of the environment, for `gymnasium.make`."""
 
     @property
     def scenario(self) -> str:
-        """Of the environment."""
+        """Scenario of the environment."""
 
     @property
     def episodes(self) -> int:
-        """That are played."""
+        """Number of episodes."""
 
     @property
     def name(self) -> str:
-        """Unlike that of every other pair of the same evaluation, and fit for a file."""
+        """Name that no other job of the same run has, fit for a file."""
 
-    def play(self) -> Record:
-        """Evaluate the policy on the environment."""
+    def run(self, controllers: Controllers) -> Record:
+        """Evaluate the policy on the environment.
 
-
-@dataclass(frozen=True)
-class EvaluationJob:
-    """A law on an environment, and all that its evaluation depends on.
-
-    Attributes:
-        environment_id: for `gymnasium.make`.
-        scenario: of the environment.
-        controller: a baseline.
-        gains: gain set of the law.
-        control_frequency: actions a second [Hz].
-        episodes: that are played, 1 in a deterministic scenario.
-        seed: of the first episode.
-    """
-
-    environment_id: str
-    scenario: str
-    controller: str
-    gains: str
-    control_frequency: float
-    episodes: int
-    seed: int
-
-    @property
-    def name(self) -> str:
-        """Unlike that of every other pair of the same evaluation."""
-        return f"{self.environment_id}_{self.scenario}_{self.controller}"
-
-    def play(self) -> Record:
-        """The law with its gain set, on the environment."""
-        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
-            policy = make_baseline(self.controller, env, self.gains)
-            evaluation = evaluate(policy, env, self.episodes, self.seed)
-            settings = {"gains": self.gains, **vars(policy.settings)}
-            record: Record = to_plain(describe_evaluation(evaluation, self.controller, settings))
-        return record
+        Args:
+            controllers: where controllers come from.
+        """
 
 
 @dataclass(frozen=True)
@@ -94,8 +51,8 @@ class JobResult:
     """What a worker hands over.
 
     Attributes:
-        record: of the pair.
-        code: that made the record, as `running_code` tells it there.
+        record: of the job.
+        code: that made the record, as `running_code` says it in the worker's process.
         node: name of the machine.
     """
 
@@ -118,65 +75,29 @@ class JobResult:
             )
 
 
-def run_job(pair: Job) -> JobResult:
-    """Evaluate a pair; its record is the same wherever the same code plays it, but for the compute time."""
-    return JobResult(pair.play(), running_code(), platform.node())
+def run_job(controllers: Controllers, job: Job) -> JobResult:
+    """Run a job; its record is the same wherever the same code runs it, but for the compute time."""
+    return JobResult(job.run(controllers), running_code(), platform.node())
 
 
-def running_code() -> dict[str, str]:
-    """What a record depends on beside its pair: versions, and a digest of this package's files."""
-    return {**list_versions(), "sources": source_digest()}
-
-
-@cache
-def source_digest() -> str:
-    """SHA-256 over the code and data files of this package, with their names."""
-    digest = hashlib.sha256()
-    for package in _SOURCES:
-        folder = Path(str(package.__file__)).parent
-        for path in sorted(folder.rglob("*")):
-            if path.suffix in _SUFFIXES and path.is_file():
-                name = f"{package.__name__}/{path.relative_to(folder).as_posix()}"
-                digest.update(f"{name}\0{path.stat().st_size}\0".encode())
-                digest.update(path.read_bytes())
-    return digest.hexdigest()
-
-
-def list_jobs(
-    conditions: Iterable[tuple[str, str]],
-    controllers: Sequence[str],
-    gains: str,
-    control_frequency: float,
-    episodes: int,
-    seed: int,
-) -> list[EvaluationJob]:
-    """The laws that can run on each environment, tried out before anything is played.
+def make_record(
+    evaluation: Evaluation, policy: str, settings: Mapping[str, Any], revisions: Mapping[str, int]
+) -> Record:
+    """An evaluation as the results file holds it.
 
     Args:
-        conditions: environment ids and scenarios.
-        controllers: baselines.
-        gains: gain set of the laws.
-        control_frequency: actions a second [Hz].
-        episodes: of each pair, where they are not all the same.
-        seed: of the first episode.
-
-    Raises:
-        UnknownNameError: a gain set that one of the laws lacks.
-        InvalidValueError: a control frequency at which the gains of one of the laws are unstable.
+        evaluation: of the policy.
+        policy: its name.
+        settings: of the policy.
+        revisions: of the behaviour of what the evaluation depends on beside the task: the controller or the
+            task on which an agent was trained.
     """
-    pairs = []
-    for environment_id, scenario in conditions:
-        with closing(make_environment(environment_id, scenario, control_frequency)) as env:
-            eligible = list_baselines(env.get_wrapper_attr("observation_layout"))
-            count = episodes_to_play(env, episodes)
-            for controller in (name for name in controllers if name in eligible):
-                make_baseline(controller, env, gains)
-                pairs.append(
-                    EvaluationJob(environment_id, scenario, controller, gains, control_frequency, count, seed)
-                )
-    return pairs
+    described = describe_evaluation(evaluation, policy, settings)
+    task = task_revision(str(described["environment"]))
+    record: Record = to_plain({**described, "revisions": {"task": task, **revisions}})
+    return record
 
 
-def make_environment(environment_id: str, scenario: str, control_frequency: float) -> gymnasium.Env[Any, Any]:
-    """An environment whose actions are torques."""
-    return gymnasium.make(environment_id, scenario=scenario, control_frequency=control_frequency)
+def task_revision(environment_id: str) -> int:
+    """Revision of the behaviour of a task; 1 of one that is not declared."""
+    return TASKS[environment_id].revision if environment_id in TASKS else 1

@@ -1,54 +1,115 @@
-"""Pairs played by whichever workers, those of an interrupted run reused."""
+"""`Run`: jobs run by parallel workers, the records of an interrupted run reused, the results written."""
 
-from collections.abc import Sequence
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
 from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
 
+from prp_gym.artifacts import prepare_folder, write_json
 from prp_gym.cli.terminal import make_console, make_progress
-from prp_gym.errors import UnknownNameError
+from prp_gym.evaluation.results import describe_run
+from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Record, run_job
 from prp_gym.runs.store import JobStore, JobT
 from prp_gym.runs.workers import Workers
 
+JOBS = "jobs"
+"""Folder of the records of finished jobs, until the run is complete."""
 
-def run_jobs(pairs: Sequence[JobT], workers: Workers, finished: JobStore, label: str) -> list[Record]:
-    """The records of all pairs in their order; those that are not there yet are played and kept.
+RESULTS = "results.json"
+
+
+@dataclass(frozen=True)
+class Run:
+    """How the jobs of a command are run, and where its results go.
+
+    Attributes:
+        folder: of the results.
+        workers: that run the jobs.
+        controllers: where controllers come from.
+        fresh: whether the jobs that an interrupted run has finished are run again.
+    """
+
+    folder: Path
+    workers: Workers
+    controllers: Controllers
+    fresh: bool = False
+
+    @property
+    def store(self) -> JobStore:
+        """The finished jobs of the folder."""
+        return JobStore(self.folder / JOBS)
+
+    @property
+    def results(self) -> Path:
+        """Path of the results file."""
+        return self.folder / RESULTS
+
+    @property
+    def busy(self) -> bool:
+        """Whether compute times are measured beside other work."""
+        return self.workers.jobs != 1
+
+    def records(self, jobs: Sequence[JobT], label: str) -> list[Record]:
+        """The records of all jobs in their order.
+
+        Args:
+            jobs: to run.
+            label: of the progress bar.
+
+        Raises:
+            OutputError: the folder cannot be made or written to.
+            InvalidValueError: a worker runs other code than this process.
+        """
+        for folder in (self.folder, self.folder / JOBS):
+            prepare_folder(folder)
+        if self.fresh:
+            self.store.remove(jobs)
+        return run_jobs(jobs, self, label)
+
+    def write(self, jobs: Sequence[JobT], records: Sequence[Record], findings: Mapping[str, Any]) -> None:
+        """Write the results file, and remove the files of the finished jobs.
+
+        Args:
+            jobs: that were run.
+            records: of the jobs.
+            findings: more that the results file is to hold.
+        """
+        described = describe_run(shlex.join(["prp-gym", *sys.argv[1:]]))
+        write_json(self.results, {**described, "evaluations": records, **findings})
+        self.store.remove(jobs)
+
+
+def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
+    """The records of all jobs in their order; those that are not in the store are run and kept.
 
     Args:
-        pairs: to evaluate.
-        workers: who plays them.
-        finished: those that an interrupted run has left, and where the others are kept.
+        jobs: to run.
+        run: how, and where finished jobs are kept.
         label: of the progress bar.
 
     Raises:
         InvalidValueError: a worker runs other code than this process.
     """
-    records, refused = finished.find(pairs)
+    records, refused = run.store.find(jobs)
     if records or refused:
-        note = f"{len(records)} of {len(pairs)} pairs were finished by an interrupted run and are reused."
+        note = f"{len(records)} of {len(jobs)} jobs were finished by an interrupted run and are reused."
         if refused:
             note += f" Not reused, as damaged or of other settings or code: {len(refused)}."
         make_console(stderr=True).print(note, highlight=False)
     # the long ones first, so that no worker is left alone with one in the end
-    missing = sorted((pair for pair in pairs if pair not in records), key=lambda pair: -pair.episodes)
+    missing = sorted((job for job in jobs if job not in records), key=lambda job: -job.episodes)
     with make_progress() as progress:
-        total = sum(pair.episodes for pair in pairs)
-        bar = progress.add_task(label, total=total, completed=sum(pair.episodes for pair in records))
-        with closing(workers.run(run_job, missing)) as played:
-            for index, result in played:
+        total = sum(job.episodes for job in jobs)
+        bar = progress.add_task(label, total=total, completed=sum(job.episodes for job in records))
+        with closing(run.workers.run(partial(run_job, run.controllers), missing)) as finished:
+            for index, result in finished:
                 result.check_code()
-                finished.keep(missing[index], result.record)
+                run.store.keep(missing[index], result.record)
                 records[missing[index]] = result.record
                 progress.advance(bar, missing[index].episodes)
-    return [records[pair] for pair in pairs]
-
-
-def check_names(kind: str, names: list[str], valid: list[str]) -> list[str]:
-    """The names without repetitions, or all valid ones for none.
-
-    Raises:
-        UnknownNameError: a name that is not valid.
-    """
-    for name in names:
-        if name not in valid:
-            raise UnknownNameError(kind, name, valid)
-    return list(dict.fromkeys(names)) or valid
+    return [records[job] for job in jobs]

@@ -1,4 +1,4 @@
-"""Pairs that are already evaluated, kept as files until the evaluation they belong to is complete."""
+"""Records of finished jobs, kept as files until the run to which they belong is complete."""
 
 import hashlib
 import json
@@ -9,14 +9,15 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
-from prp_gym.evaluation.results import to_plain, write_json
-from prp_gym.runs.job import Job, Record, running_code
+from prp_gym.artifacts import read_json, to_plain, write_json
+from prp_gym.runs.code import running_code
+from prp_gym.runs.job import Job, Record
 
 JobT = TypeVar("JobT", bound=Job)
 
 
 class JobStore:
-    """A folder with a file a pair, each with what its record depends on and with a checksum.
+    """A folder with one file for each job, with what its record depends on and a checksum.
 
     A record is reused only by the code, the versions and the settings that made it. Several runs may have
     the same folder.
@@ -28,34 +29,34 @@ class JobStore:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def find(self, pairs: Iterable[JobT]) -> tuple[dict[JobT, Record], list[Path]]:
+    def find(self, jobs: Iterable[JobT]) -> tuple[dict[JobT, Record], list[Path]]:
         """Records that can be reused, and the files that cannot: of other settings or code, or damaged."""
         records, refused = {}, []
-        for pair in pairs:
-            path = self._path(pair)
-            try:
-                content = json.loads(path.read_bytes())
-                if content != _content(pair, content["record"]):
-                    raise ValueError(path)
-                records[pair] = content["record"]
-            except FileNotFoundError:
+        for job in jobs:
+            path = self._path(job)
+            if not path.exists():
                 continue
-            except (OSError, ValueError, TypeError, LookupError, RecursionError):
+            try:
+                content = read_json(path)
+                if content != _content(job, content["record"]):
+                    raise ValueError(path)
+                records[job] = content["record"]
+            except (ValueError, TypeError, LookupError):
                 refused.append(path)
         return records, refused
 
-    def keep(self, pair: Job, record: Record) -> None:
-        """Write a pair's file, whole or not at all.
+    def keep(self, job: Job, record: Record) -> None:
+        """Write a job's file, whole or not at all.
 
         Raises:
             OutputError: the folder cannot be made or written to.
         """
-        write_json(self._path(pair), _content(pair, record))
+        write_json(self._path(job), _content(job, record))
 
-    def remove(self, pairs: Sequence[Job]) -> None:
-        """Remove the files of some pairs, and the folder if nothing else is in it."""
-        for pair in pairs:
-            path = self._path(pair)
+    def remove(self, jobs: Sequence[Job]) -> None:
+        """Remove the files of some jobs, and the folder if nothing else is in it."""
+        for job in jobs:
+            path = self._path(job)
             parts = self._folder.glob(f".{path.name}.*.part")
             for own in (path, *(part for part in parts if _is_left_behind(part))):
                 if own.is_file():
@@ -63,13 +64,13 @@ class JobStore:
         with suppress(OSError):  # not empty, or not there
             self._folder.rmdir()
 
-    def _path(self, pair: Job) -> Path:
-        return self._folder / f"{pair.name}.json"
+    def _path(self, job: Job) -> Path:
+        return self._folder / f"{job.name}.json"
 
 
-def _content(pair: Job, record: Record) -> dict[str, Any]:
-    """What the file of a pair with this record holds."""
-    key = {"pair": asdict(pair), "code": running_code()}
+def _content(job: Job, record: Record) -> dict[str, Any]:
+    """What the file of a job with this record holds."""
+    key = {"job": asdict(job), "code": running_code()}
     text = json.dumps(record, sort_keys=True)
     plain: dict[str, Any] = to_plain(
         {"key": key, "checksum": hashlib.sha256(text.encode()).hexdigest(), "record": record}
@@ -78,7 +79,7 @@ def _content(pair: Job, record: Record) -> dict[str, Any]:
 
 
 def _is_left_behind(part: Path) -> bool:
-    """Whether nobody writes a half written file any more: its process is this one, or is not alive."""
+    """Whether a half written file is not being written: its process is this one, or is not alive."""
     process = part.suffixes[-2].removeprefix(".")
     if not process.isdecimal():
         return False

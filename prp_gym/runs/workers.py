@@ -13,8 +13,9 @@ import joblib
 from joblib.externals.loky import get_reusable_executor
 
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
+from prp_gym.plugins import load_modules, loaded_plugins
 
-_PATIENCE = 10  # s, of whoever waits for an answer or for more work
+_PATIENCE = 10  # s, that is waited for an answer or for more work
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -22,11 +23,11 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True)
 class Workers:
-    """Who does the work.
+    """Parallel workers.
 
     Attributes:
-        jobs: how many items at once; 1 is this process alone, whatever the backend, and 0 as many as there
-            are cores, on a cluster the cluster's.
+        jobs: number of parallel workers; 1 is this process alone, whatever the backend, and 0 as many as
+            there are cores, on a cluster the cluster's.
         backend: one of `BACKENDS`.
     """
 
@@ -44,7 +45,7 @@ class Workers:
     def run(
         self, function: Callable[[Item], Result], items: Sequence[Item]
     ) -> Generator[tuple[int, Result], None, None]:
-        """Apply a function to every item.
+        """Apply a function to every item; worker processes first load the plugins of this process.
 
         Args:
             function: of a module, so that it can be pickled, as items and results must be, too.
@@ -54,15 +55,17 @@ class Workers:
             each item's index with its result, as they are finished.
 
         Raises:
+            PluginError: a plugin that a worker process cannot load.
             InvalidValueError: more jobs than a cluster has CPUs, or a cluster that does not answer.
             Exception: what the function raises; what was not finished by then is given up.
         """
         if self.jobs == 1 or len(items) <= 1:
             yield from ((index, function(item)) for index, item in enumerate(items))
             return
+        plugins = tuple(loaded_plugins())
         with BACKENDS[self.backend](self.jobs, len(items)) as parallel:
             results = parallel(
-                joblib.delayed(_numbered)(function, index, item) for index, item in enumerate(items)
+                joblib.delayed(_numbered)(function, plugins, index, item) for index, item in enumerate(items)
             )
             try:
                 for result in results:  # noqa: UP028 (`yield from` would close them first)
@@ -71,12 +74,15 @@ class Workers:
                 _give_up(results)
 
 
-def _numbered(function: Callable[[Item], Result], index: int, item: Item) -> tuple[int, Result]:
+def _numbered(
+    function: Callable[[Item], Result], plugins: Sequence[str], index: int, item: Item
+) -> tuple[int, Result]:
+    load_modules(plugins)
     return index, function(item)
 
 
 def _give_up(results: Generator[object, None, None]) -> None:
-    """Close what may have results to come, of which joblib would warn: who closes it knows."""
+    """Close what may have results to come, of which joblib would warn."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".* tasks which were still being processed", UserWarning)
         results.close()

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from prp_gym.tuning.search_space import SearchSpace
+from prp_gym.tuning.candidates import Space
 from prp_gym.tuning.trial import Trial
 
 _FIRST_LENGTH = 0.3  # standard deviation of a factor's logarithm
@@ -32,7 +32,7 @@ def step_length(trials: Sequence[Trial]) -> float:
     return length
 
 
-def local_step(space: SearchSpace, trials: Sequence[Trial], rng: np.random.Generator) -> dict[str, float]:
+def local_step(space: Space, trials: Sequence[Trial], rng: np.random.Generator) -> dict[str, float]:
     """The best factors so far, each times a log-normal one, within their ranges.
 
     Args:

@@ -1,16 +1,25 @@
-"""What tuning may change of a law: factors on its settings, declared in the baselines' data."""
+"""What tuning may change of a controller: factors on its settings, declared in the controller's data.
 
-import tomllib
+A table `[search.<name>]` of a controller's TOML file is a parameter: a factor on the controller's `tuned`
+settings, 1 at the start and searched on a logarithmic scale within `range`. The settings in `powers` are
+multiplied by the factor raised to these powers. So a bandwidth ω and a damping ratio ζ are K_P ~ ω²,
+K_D ~ ζω, and with a target inertia M that keeps both, K_P ~ M ω², K_D ~ M ζω. A setting that is a vector
+names what it has components `of`; then there is one parameter for every group of components (each joint;
+translation and rotation; inertia, viscous and Coulomb friction, or each parameter of the link), or for those
+in `groups` alone.
+"""
+
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from functools import cache
-from importlib.resources import files
+from types import EllipsisType
 from typing import Any
 
 import numpy as np
 
-from prp_gym.baselines import Baseline, Settings
-from prp_gym.errors import UnknownNameError
+from prp_gym.baselines.base.settings import Settings
+from prp_gym.baselines.base.spec import ControllerSpec
+from prp_gym.errors import InvalidValueError
 
 GROUPS: Mapping[tuple[str, int], Mapping[str, slice]] = {
     ("joint", 1): {"joint_1": slice(0, 1)},
@@ -29,12 +38,15 @@ GROUPS: Mapping[tuple[str, int], Mapping[str, slice]] = {
 }
 """Components of a vector that share a parameter, by what the vector is of and by its length."""
 
-_EVERYTHING = slice(None)
+DEFAULT_RANGE = (0.1, 10.0)
+"""Of the factor on each vector setting of a controller that declares no search space [1]."""
+
+_Components = slice | EllipsisType
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A factor on some of a law's settings; 1 leaves them as they are.
+    """A factor on some of a controller's settings; 1 leaves them as they are.
 
     Attributes:
         name: of the parameter.
@@ -48,15 +60,15 @@ class Parameter:
     low: float
     high: float
     powers: Mapping[str, float]
-    components: slice
+    components: _Components
 
 
 @dataclass(frozen=True, eq=False)
 class SearchSpace:
-    """The settings that a law may be given, around those that it has.
+    """The settings that a controller may be given, around those that it has.
 
     Attributes:
-        centre: the law's settings where every factor is 1, vectors at their full length.
+        centre: the controller's settings where every factor is 1, vectors at their full length.
         parameters: the factors.
     """
 
@@ -64,18 +76,22 @@ class SearchSpace:
     parameters: tuple[Parameter, ...]
 
     @classmethod
-    def of(cls, policy: Baseline[Any]) -> "SearchSpace":
-        """The space that the data file declares for a law, around the settings of a policy.
+    def of(cls, controller: ControllerSpec, centre: Settings) -> "SearchSpace":
+        """The space that a controller declares, or a factor on each of its vector settings.
+
+        Args:
+            controller: its declaration.
+            centre: settings of one of its policies.
 
         Raises:
-            UnknownNameError: a law for which none is declared.
+            InvalidValueError: a declared parameter that does not fit the settings.
+            GainsFileError: a data file that cannot be read.
         """
-        table = _table()
-        if policy.name not in table:
-            raise UnknownNameError("law with a search space", policy.name, table)
-        rows = table[policy.name].items()
-        parameters = (parameter for name, row in rows for parameter in _expand(name, row, policy.settings))
-        return cls(policy.settings, tuple(parameters))
+        rows = controller.data.search or {
+            name: {"range": DEFAULT_RANGE, "powers": {name: 1}} for name in centre.vectors
+        }
+        parameters = (item for name, row in rows.items() for item in _expand(name, row, centre))
+        return cls(centre, tuple(parameters))
 
     @property
     def start(self) -> dict[str, float]:
@@ -83,7 +99,7 @@ class SearchSpace:
         return {parameter.name: 1.0 for parameter in self.parameters}
 
     def settings(self, factors: Mapping[str, float]) -> dict[str, Any]:
-        """All of a law's settings but its model.
+        """All of a controller's settings but its model.
 
         Args:
             factors: by the parameters' names.
@@ -105,19 +121,47 @@ class SearchSpace:
         return values
 
 
-@cache
-def _table() -> dict[str, Any]:
-    text = files("prp_gym.baselines").joinpath("search_spaces.toml").read_text(encoding="utf-8")
-    return tomllib.loads(text)
-
-
 def _expand(name: str, row: Mapping[str, Any], settings: Settings) -> Iterator[Parameter]:
-    """The parameters that a row of the data file stands for."""
-    low, high = row["range"]
+    """The parameters that a row of the data file stands for.
+
+    Raises:
+        InvalidValueError: a row that does not fit the settings.
+    """
+    low, high = _range(name, row.get("range"))
+    powers = _powers(name, row.get("powers"), settings)
     if "of" not in row:
-        yield Parameter(name, low, high, row["powers"], _EVERYTHING)
+        yield Parameter(name, low, high, powers, ...)
         return
-    size = len(getattr(settings, next(iter(row["powers"]))))
-    groups = GROUPS[row["of"], size]
+    groups = _groups(name, str(row["of"]), np.size(getattr(settings, next(iter(powers)))))
     for group in row.get("groups", groups):
-        yield Parameter(f"{name}_{group}", low, high, row["powers"], groups[group])
+        if group not in groups:
+            raise InvalidValueError(f"group of search parameter {name!r}", group, ", ".join(groups))
+        yield Parameter(f"{name}_{group}", low, high, powers, groups[group])
+
+
+def _range(name: str, given: Any) -> tuple[float, float]:
+    """The least and the largest factor."""
+    try:
+        low, high = (float(value) for value in given)
+    except (TypeError, ValueError):
+        low = high = math.nan
+    if not 0.0 < low <= 1.0 <= high < math.inf:
+        raise InvalidValueError(f"range of search parameter {name!r}", given, "[low, high] around 1, above 0")
+    return low, high
+
+
+def _powers(name: str, given: Any, settings: Settings) -> Mapping[str, float]:
+    """The powers of the factor, by the settings that they multiply."""
+    known = (*settings.vectors, *settings.numbers)
+    if not isinstance(given, Mapping) or not given or not set(given) <= set(known):
+        allowed = f"numbers by names of settings, of {', '.join(known)}"
+        raise InvalidValueError(f"powers of search parameter {name!r}", given, allowed)
+    return given
+
+
+def _groups(name: str, of: str, size: int) -> Mapping[str, slice]:
+    """The groups of components of a vector setting."""
+    if (of, size) not in GROUPS:
+        allowed = " or ".join(f"{kind!r} of {count}" for kind, count in GROUPS)
+        raise InvalidValueError(f"components of search parameter {name!r}", (of, size), allowed)
+    return GROUPS[of, size]

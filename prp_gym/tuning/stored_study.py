@@ -1,4 +1,4 @@
-"""The search's memory: Optuna's study in a journal file, which outlives a killed run."""
+"""The trials of a search: Optuna's study in a journal file, which outlives a killed run."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from prp_gym.artifacts import prepare_folder
 from prp_gym.errors import InvalidValueError, MissingPackageError
-from prp_gym.evaluation.results import prepare_folder
+from prp_gym.tuning.candidates import Space
 from prp_gym.tuning.local_step import is_local, local_step
-from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.trial import Trial
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _KEY = "key"
 
 
 class StoredStudy:
-    """Proposals for candidates, and what became of them.
+    """Proposals for candidates, and their scores.
 
     The first candidate is the centre of the space. Of the others, one in three comes from Optuna's sampler
     (TPE), which looks everywhere and learns from all trials; two are steps from the best one so
@@ -32,8 +32,8 @@ class StoredStudy:
 
     The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
     goes on makes the same proposals as one that was not. The journal holds finished trials alone, each
-    written in one piece: one that was under way when the run was killed is played again, and its steps are
-    charged once, since nothing was learned from them before. One run at a time may use a folder.
+    written in one piece: one that was under way when the run was killed is run again, and its steps are
+    counted once, since nothing was learned from them before. One run at a time may use a folder.
 
     Args:
         folder: of the journal file.
@@ -48,9 +48,7 @@ class StoredStudy:
         OutputError: the folder cannot be made or written to.
     """
 
-    def __init__(
-        self, folder: Path, space: SearchSpace, key: Mapping[str, Any], seed: int, resume: bool
-    ) -> None:
+    def __init__(self, folder: Path, space: Space, key: Mapping[str, Any], seed: int, resume: bool) -> None:
         self._optuna = _import_optuna()
         self._space, self._seed = space, seed
         self._study = self._optuna.create_study(direction="maximize")

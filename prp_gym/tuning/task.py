@@ -7,7 +7,7 @@ import numpy as np
 from prp_gym.errors import InvalidValueError
 
 TRAINING_SEEDS = 1_000_000
-"""Seeds of episodes that belong to one seed of the search; those of search k begin at (k + 1) times this."""
+"""Number of episode seeds of one seed of the search; those of search k begin at (k + 1) times this."""
 
 VALIDATION_SEED = 500_000_000
 """First seed of the episodes that no search uses."""
@@ -17,15 +17,15 @@ _SEARCHES = VALIDATION_SEED // TRAINING_SEEDS - 1
 
 @dataclass(frozen=True)
 class TuningTask:
-    """A law on an environment, and the search for its settings.
+    """A controller on an environment, and the search for its settings.
 
     Attributes:
         environment_id: for `gymnasium.make`.
-        controller: a baseline.
+        controller: name of the controller.
         scenario: of the environment.
-        control_frequency: actions a second [Hz].
+        control_frequency: of the environment [Hz].
         budget: control steps that may be simulated, of all environments together.
-        episodes: that every candidate plays, the same for all.
+        episodes: number of episodes of every candidate, the same ones for all.
         seed: of the search and of its episodes.
 
     Raises:
@@ -54,5 +54,5 @@ class TuningTask:
 
     @property
     def first_seed(self) -> int:
-        """Of the training episodes."""
+        """Seed of the first training episode."""
         return TRAINING_SEEDS * (self.seed + 1)

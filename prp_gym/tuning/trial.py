@@ -1,4 +1,4 @@
-"""A candidate, and what became of it."""
+"""A candidate, and its score."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Trial:
-    """A candidate that was played to the end.
+    """A candidate that was evaluated.
 
     Attributes:
-        factors: by the parameters' names.
+        factors: of the search space, by the names of its parameters.
         score: mean over the episodes [1].
-        steps: that it is charged.
-        seconds: that it took [s].
+        steps: control steps that it counts against the budget.
+        seconds: wall time that it took [s].
     """
 
     factors: Mapping[str, float]

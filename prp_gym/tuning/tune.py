@@ -1,4 +1,4 @@
-"""`tune`: candidates are played until the budget is spent; the best one is the result."""
+"""`tune`: candidates are evaluated until the budget is spent; the best one is the result."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -7,18 +7,22 @@ from typing import Any, Protocol
 
 import gymnasium
 
-from prp_gym.baselines import BASELINES, make_baseline
-from prp_gym.baselines.gains import load_gains
-from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
-from prp_gym.evaluation.evaluate import episodes_to_play
+from prp_gym.baselines import CONTROLLERS, ControllerSpec, make_baseline
+from prp_gym.baselines.base.gains import load_gains
+from prp_gym.errors import InvalidValueError, PRPError
+from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 
+TUNED, SLOW = "tuned", "tuned_50hz"
+"""Gain sets from which searches start."""
+
 
 class Study(Protocol):
-    """Where candidates come from; see `StoredStudy`."""
+    """Proposes candidates and keeps their scores; see `StoredStudy`."""
 
     trials: list[Trial]
 
@@ -31,11 +35,11 @@ class Study(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Tuned:
-    """What a search came to.
+    """Result of a search.
 
     Attributes:
-        trials: all candidates, in their order; the first is the law's own `tuned` set.
-        settings: of the best of them, for `make_baseline`.
+        trials: all candidates in their order; the first has the gains from which the search started.
+        settings: of the best of them, by name.
     """
 
     trials: Sequence[Trial]
@@ -48,12 +52,12 @@ class Tuned:
 
     @property
     def used_steps(self) -> int:
-        """Steps that the trials are charged."""
+        """Control steps that the trials count against the budget."""
         return sum(trial.steps for trial in self.trials)
 
     @property
     def history(self) -> list[tuple[int, float]]:
-        """Steps and best score so far, wherever it rose, and at the end."""
+        """Control steps and best score so far, wherever it rose, and at the end."""
         points: list[tuple[int, float]] = []
         used, best = 0, -1.0
         for trial in self.trials:
@@ -64,46 +68,56 @@ class Tuned:
         return points if points[-1][0] == used else [*points, (used, best)]
 
 
-def start_gains(controller: str, environment_id: str, control_frequency: float) -> str:
-    """The gain set from which a search starts: `tuned`, or the one for 50 Hz where that is too fast."""
-    least = load_gains(controller, "tuned", environment_id).get("minimum_frequency", 0.0)
-    return "tuned" if control_frequency >= least else "tuned_50hz"
+def start_gains(controller: ControllerSpec, environment_id: str, control_frequency: float) -> str:
+    """The gain set from which a search starts: `tuned`, or the one for 50 Hz where that is unstable.
+
+    Args:
+        controller: its declaration.
+        environment_id: of the environment.
+        control_frequency: of the environment [Hz].
+    """
+    least = load_gains(controller, TUNED, environment_id).get("minimum_frequency", 0.0)
+    return TUNED if control_frequency >= least else SLOW
 
 
-def search_space(task: TuningTask, env: gymnasium.Env[Any, Any]) -> SearchSpace:
-    """What may be changed of a law on an environment.
+def make_candidates(task: TuningTask, env: gymnasium.Env[Any, Any]) -> Candidates:
+    """The candidates for a registered controller, around the gains from which a search of it starts.
+
+    Args:
+        task: what is tuned.
+        env: the environment of the task.
 
     Raises:
-        PRPError: a law that does not exist, or does not run on the environment or at its control frequency.
+        PRPError: a controller that does not exist, or does not run on the environment or at its control
+            frequency.
     """
-    if task.controller not in BASELINES:
-        raise UnknownNameError("baseline", task.controller, BASELINES)
-    gains = start_gains(task.controller, task.environment_id, task.control_frequency)
-    return SearchSpace.of(make_baseline(task.controller, env, gains))
+    spec = CONTROLLERS.find(task.controller)
+    start = make_baseline(spec, env, start_gains(spec, task.environment_id, task.control_frequency))
+    return Candidates(SearchSpace.of(spec, start.settings), lambda values: make_baseline(spec, env, **values))
 
 
 def tune(
     task: TuningTask,
     env: gymnasium.Env[Any, Any],
-    space: SearchSpace,
+    candidates: Candidates,
     study: Study,
     on_trial: Callable[[Trial], None] = lambda trial: None,
 ) -> Tuned:
-    """Play candidates, the trials of the study first, until no other one fits into the budget.
+    """Evaluate candidates, the trials of the study first, until the budget has no room for another one.
 
-    All candidates play the same episodes, so that they differ by their settings alone: scores of one
-    candidate vary from episode to episode by far more than those of good candidates from one another. What
-    the search may gain by chance on these episodes, others, which no search uses, show.
+    All candidates run the same episodes, so that they differ by their settings alone: the scores of one
+    candidate vary from episode to episode by far more than those of good candidates from one another. How
+    much the search has gained by chance on these episodes is shown by others that no search uses.
 
-    A candidate is charged the steps that were simulated; one that the law refuses scores 0 and is charged as
-    if it had been played.
+    A candidate counts the control steps that were simulated; one that the controller refuses scores 0 and
+    counts as if all its episodes had been simulated.
 
     Args:
         task: what is tuned.
         env: the environment of the task.
-        space: that the study searches.
-        study: proposes candidates.
-        on_trial: called after each trial that is played, for progress bars.
+        candidates: policies by their factors.
+        study: proposes factors.
+        on_trial: called after each trial that is run, for progress bars.
 
     Returns:
         the trials and the best settings.
@@ -111,29 +125,26 @@ def tune(
     Raises:
         InvalidValueError: a budget for not even one candidate.
     """
-    seeds = range(task.first_seed, task.first_seed + episodes_to_play(env, task.episodes))
+    seeds = range(task.first_seed, task.first_seed + episodes_to_run(env, task.episodes))
     episodes = Episodes(env, seeds)
     if task.budget < episodes.most_steps:
         raise InvalidValueError("budget", task.budget, f"at least {episodes.most_steps}, one trial", "steps")
     used = sum(trial.steps for trial in study.trials)
     while used + episodes.most_steps <= task.budget:
         before = time.perf_counter()
-        factors = study.propose()
-        score, steps = _play(task.controller, env, space.settings(factors), episodes)
+        score, steps = _score(candidates, study.propose(), episodes)
         trial = study.record(score, steps, time.perf_counter() - before)
         used += trial.steps
         on_trial(trial)
     best = max(study.trials, key=lambda trial: trial.score)
-    return Tuned(tuple(study.trials), space.settings(best.factors))
+    return Tuned(tuple(study.trials), candidates.space.settings(best.factors))
 
 
-def _play(
-    controller: str, env: gymnasium.Env[Any, Any], settings: Mapping[str, Any], episodes: Episodes
-) -> tuple[float, int]:
-    """The mean score of a candidate, and the steps that it is charged."""
+def _score(candidates: Candidates, factors: Mapping[str, float], episodes: Episodes) -> tuple[float, int]:
+    """The mean score of a candidate, and the control steps that it counts."""
     try:
-        policy = make_baseline(controller, env, "tuned", **settings)
+        policy = candidates.make(factors)
     except PRPError:
         return 0.0, episodes.most_steps
-    scores, steps = episodes.play(policy)
+    scores, steps = episodes.run(policy)
     return float(scores.mean()), steps

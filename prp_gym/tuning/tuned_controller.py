@@ -1,15 +1,15 @@
-"""Tuned laws as files: what was found, with what, and how to make a policy of it."""
+"""Tuned controllers as files: what was found, with what, and how to make a policy of it."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from prp_gym.baselines import BASELINES, Baseline, ControlInterface, make_baseline
+from prp_gym.artifacts import read_json
+from prp_gym.baselines import CONTROLLERS, Baseline, ControlInterface, make_baseline
 from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
@@ -21,9 +21,9 @@ class Validation:
 
     Attributes:
         seed: of the first episode.
-        episodes: how many.
+        episodes: number of episodes.
         score: of the settings that were found [1].
-        score_of_tuned: of the set from which the search started [1].
+        score_of_tuned: of the gains from which the search started [1].
     """
 
     seed: int
@@ -34,27 +34,28 @@ class Validation:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TunedController:
-    """The settings of a law that a search with a budget has found, and how.
+    """The settings of a controller that a search with a budget has found, and how.
 
     Attributes:
-        environment: id.
-        controller: a baseline.
+        environment: id of the environment.
+        controller: name of the controller.
         scenario: of the training episodes.
-        control_frequency: actions a second [Hz].
-        settings: all of the law's but its model, as `make_baseline` takes them.
-        budget_steps: control steps that might be simulated, of all environments together.
-        used_steps: that were.
-        simulated_seconds: what these are in simulated time [s].
-        trials: candidates, the law's own `tuned` set first.
-        episodes: that each of them played.
-        seconds: that the search took [s].
-        history: steps and best score so far, wherever it rose, and at the end.
+        control_frequency: of the environment [Hz].
+        settings: all settings of the controller but its model, as `make_baseline` takes them.
+        budget_steps: control steps that the search was allowed, of all environments together.
+        used_steps: control steps that were simulated.
+        simulated_seconds: simulated time of these steps [s].
+        trials: number of candidates; the first has the gains from which the search started.
+        episodes: number of episodes of each candidate.
+        seconds: wall time of the search [s].
+        history: control steps and best score so far, wherever it rose, and at the end.
         score: mean over the training episodes [1].
-        score_of_tuned: of the first candidate, on the same episodes [1].
-        validation: the same on other episodes.
+        score_of_tuned: mean score of the first candidate, on the same episodes [1].
+        validation: the same scores on other episodes.
         seed: of the search.
-        command: that ran it.
+        command: that ran the search.
         versions: of Python and of the packages that the result depends on.
+        code: name and SHA-256 of a user's own controller; empty for a registered one.
     """
 
     environment: str
@@ -75,19 +76,25 @@ class TunedController:
     seed: int
     command: str
     versions: Mapping[str, str]
+    code: Mapping[str, str] = field(default_factory=dict)
 
     def make(self, env: Any) -> Baseline[Any]:
-        """The law with the settings that were found, as a policy for its environment.
+        """The controller with the settings that were found, as a policy for its environment.
 
         Args:
-            env: an environment of this suite, wrapped or not, or many alike; of any scenario.
+            env: an environment of this suite, wrapped or not, or a vector environment; of any scenario.
 
         Raises:
-            InvalidValueError: another environment, or another control frequency.
+            InvalidValueError: another environment or control frequency, or a controller of a user's own.
         """
+        if self.code:
+            allowed = "a registered controller; a user's own is made with these settings by its own code"
+            raise InvalidValueError("tuned controller", self.controller, allowed)
         interface = ControlInterface.of(env)
         if interface.environment_id != self.environment:
-            raise InvalidValueError("environment of a tuned law", interface.environment_id, self.environment)
+            raise InvalidValueError(
+                "environment of a tuned controller", interface.environment_id, self.environment
+            )
         frequency = 1.0 / interface.period
         if not math.isclose(frequency, self.control_frequency):
             raise InvalidValueError("control_frequency", frequency, f"{self.control_frequency:g}", "Hz")
@@ -95,10 +102,10 @@ class TunedController:
 
 
 def list_tuned_controllers(environment_id: str | None = None) -> list[str]:
-    """Names of the tuned laws that come with this package, `<environment id>/<law>`.
+    """Names of the tuned controllers that come with this package, `<environment id>/<controller>`.
 
     Args:
-        environment_id: whose laws; all without it.
+        environment_id: of the environment; all without it.
 
     Raises:
         UnknownNameError: an environment that does not exist.
@@ -111,46 +118,50 @@ def list_tuned_controllers(environment_id: str | None = None) -> list[str]:
 
 
 def load_tuned_controller(name_or_path: str | Path) -> TunedController:
-    """A tuned law from a file.
+    """A tuned controller from a file.
 
     Args:
         name_or_path: a name of `list_tuned_controllers`, or a `result.json` of `prp-gym tune`.
 
     Raises:
         UnknownNameError: neither a name nor a file.
-        InvalidValueError: a file that is not one of a tuned law; it says where.
+        InvalidValueError: a file that does not hold a tuned controller; it says where.
     """
     path = _shipped().get(str(name_or_path), Path(name_or_path))
     if not path.is_file():
-        raise UnknownNameError("tuned law", str(name_or_path), _shipped())
-    try:
-        content = json.loads(path.read_bytes(), parse_constant=_refuse_constant)
-    except (OSError, ValueError, RecursionError) as error:
-        raise InvalidValueError(f"file {str(path)!r}", str(error), "the JSON of a tuned law") from error
-    return read_tuned_controller(content, f"file {str(path)!r}")
+        raise UnknownNameError("tuned controller", str(name_or_path), _shipped())
+    return read_tuned_controller(read_json(path), f"file {str(path)!r}")
 
 
 def read_tuned_controller(content: Any, where: str) -> TunedController:
-    """A tuned law from what its file holds.
+    """A tuned controller from the content of its file.
 
     Args:
         content: parsed JSON.
-        where: it comes from, for errors.
+        where: origin of the content, for errors.
 
     Raises:
-        InvalidValueError: a field that is missing, too many, of another kind, or none that can be.
+        InvalidValueError: a field that is missing, unknown, of another type, or not allowed.
     """
     values = _read(TunedController, content, where)
     values["validation"] = Validation(**_read(Validation, values["validation"], f"validation of {where}"))
-    for name, valid in (("environment", list_envs()), ("controller", BASELINES), ("scenario", SCENARIOS)):
-        if values[name] not in valid:
-            raise InvalidValueError(f"{name} of {where}", values[name], f"one of {', '.join(valid)}")
+    valid = {"environment": list_envs(), "scenario": list(SCENARIOS)}
+    if not values.get("code"):
+        valid["controller"] = list(CONTROLLERS)
+    for name, names in valid.items():
+        if values[name] not in names:
+            raise InvalidValueError(f"{name} of {where}", values[name], f"one of {', '.join(names)}")
     values["history"] = _history(values["history"], where)
-    try:
-        BASELINES[values["controller"]].settings_class.from_mapping(values["controller"], values["settings"])
-    except (PRPError, TypeError) as error:
-        raise InvalidValueError(f"settings of {where}", values["settings"], str(error)) from error
+    if not values.get("code"):
+        _check_settings(values["controller"], values["settings"], where)
     return TunedController(**values)
+
+
+def _check_settings(controller: str, settings: Mapping[str, Any], where: str) -> None:
+    try:
+        CONTROLLERS.find(controller).settings_class.from_mapping(controller, settings)
+    except (PRPError, TypeError) as error:
+        raise InvalidValueError(f"settings of {where}", settings, str(error)) from error
 
 
 @cache
@@ -160,7 +171,7 @@ def _shipped() -> dict[str, Path]:
     return {
         f"{environment_id}/{controller}": path
         for environment_id in list_envs()
-        for controller in BASELINES
+        for controller in CONTROLLERS
         if (path := folder / f"{environment_id}_{controller}.json").is_file()
     }
 
@@ -175,12 +186,13 @@ _KINDS: Mapping[Any, tuple[type, ...]] = {
 
 
 def _read(kind: type[Any], content: Any, where: str) -> dict[str, Any]:
-    """The fields of a dataclass, no more and no less, with text and numbers of their types."""
-    names = [entry.name for entry in fields(kind)]
-    if not isinstance(content, dict) or set(content) != set(names):
+    """The fields of a dataclass, none unknown and none missing without a default, of their types."""
+    names = {entry.name for entry in fields(kind)}
+    needed = {entry.name for entry in fields(kind) if entry.default_factory is MISSING}
+    if not isinstance(content, dict) or not needed <= set(content) <= names:
         found = sorted(content) if isinstance(content, dict) else type(content).__name__
-        raise InvalidValueError(where, found, f"exactly the fields {', '.join(names)}")
-    for entry in fields(kind):
+        raise InvalidValueError(where, found, f"exactly the fields {', '.join(sorted(names))}")
+    for entry in (entry for entry in fields(kind) if entry.name in content):
         value, allowed = content[entry.name], _KINDS.get(entry.type, (dict,))
         if isinstance(value, bool) or not isinstance(value, allowed):
             expected = " or ".join(item.__name__ for item in allowed)
@@ -196,7 +208,3 @@ def _history(rows: Sequence[Any], where: str) -> tuple[tuple[int, float], ...]:
     if not (rows and pairs):
         raise InvalidValueError(f"history of {where}", rows, "at least one pair of steps and score")
     return tuple((steps, float(score)) for steps, score in rows)
-
-
-def _refuse_constant(name: str) -> None:
-    raise ValueError(f"{name} is no number")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import prp_gym
-from prp_gym.action_modes import RESIDUAL_SHARE, list_action_modes, make_action_mode
+from prp_gym.action_modes import RESIDUAL_SHARE, ModeSetup, list_action_modes, make_action_mode
 from prp_gym.baselines import BASELINES, make_baseline
 from prp_gym.envs import PRPEnv
 from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
@@ -120,12 +120,12 @@ def test_unknown_mode_names_the_nearest_one() -> None:
 def test_torque_has_no_inner_law() -> None:
     env = made("PRP-Impedance-v0")
     with pytest.raises(UnknownNameError, match="unknown action_mode 'torque'"):
-        make_action_mode("torque", env.task, env.torque_limit, 0.002)
+        make_action_mode("torque", ModeSetup(env.task, env.torque_limit, 0.002))
 
 
 @pytest.mark.parametrize("rate", [1000, 40])
 def test_rate_that_does_not_divide_the_laws_is_refused_and_says_why(rate: int) -> None:
-    with pytest.raises(InvalidValueError, match="divisor of 500, the rate of the law in mode 'impedance'"):
+    with pytest.raises(InvalidValueError, match="divisor of 500, the frequency inside mode 'impedance'"):
         made("PRP-Impedance-v0", "impedance", control_frequency=rate)
     assert made("PRP-Impedance-v0", control_frequency=rate).control_frequency == rate
 

@@ -8,12 +8,12 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.baselines import (
-    Adaptive,
+    AdaptiveController,
     AdaptiveSettings,
-    JointInverseDynamics,
+    JointInverseDynamicsController,
     JointInverseDynamicsSettings,
 )
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot import NOMINAL, Link, LinkParameters, PRPArm, RobotParameters
 from tests.support.control_interface import INTERFACE, LINK_INTERFACE, PERIOD
@@ -28,9 +28,9 @@ ROUNDING = 1e-10  # torques up to 1e5, a few dozen operations of 1e-16 each
 MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(15)}
 
 
-def controller(**settings: Any) -> Adaptive:
+def controller(**settings: Any) -> AdaptiveController:
     chosen = {"reference_gain": LAMBDA, "damping_gain": K_D, "adaptation_gain": GAMMA, **settings}
-    return Adaptive(INTERFACE, AdaptiveSettings(**chosen))
+    return AdaptiveController(INTERFACE, AdaptiveSettings(**chosen))
 
 
 def tuned(environment_id: str, **settings: Any) -> AdaptiveSettings:
@@ -100,7 +100,7 @@ def test_estimate_moves_along_the_torque_s_gradient_times_the_slip() -> None:
 def test_link_s_law_is_the_one_written_out() -> None:
     model = LinkParameters(inertia=0.4, viscous_friction=0.2, gravity_moment=1.5)
     settings = AdaptiveSettings(20.0, 5.0, [0.1, 0.2, 0.3], model=model, upper_share=100.0, lower_share=0.0)
-    policy = Adaptive(LINK_INTERFACE, settings)
+    policy = AdaptiveController(LINK_INTERFACE, settings)
     observation = np.array([0.3, -0.5, 0.6, 0.7, -2.0])
     torque, (after,) = policy.control(
         policy.interface.layout.split(observation), (np.array([0.4, 0.2, 1.5]),)
@@ -144,7 +144,7 @@ def test_bounds_that_exclude_the_model_itself_are_refused(name: str, value: floa
 
 
 def test_estimates_stand_still_while_an_actuator_is_at_its_limit() -> None:
-    policy = Adaptive(INTERFACE, tuned("PRP-JointTracking-v0"))
+    policy = AdaptiveController(INTERFACE, tuned("PRP-JointTracking-v0"))
     observation = np.zeros((2, INTERFACE.layout.size))
     index = INTERFACE.layout.index("desired_joint_position")
     observation[:, index] = [[1.0, -0.1, 0.1], [0.05, -0.01, 0.1]]
@@ -178,12 +178,12 @@ def last_error(run: Run) -> float:
 def test_wrong_masses_cost_a_tenth_of_what_they_cost_without_adaptation(factors: tuple[float, ...]) -> None:
     model = NOMINAL.scaled(factors)
     settings = tuned("PRP-JointTracking-v0", model=model)
-    adapted = simulate(Adaptive(INTERFACE, settings), loop(0.0)[0], loop, 10.0)
-    sized = Adaptive(INTERFACE, settings).settings
+    adapted = simulate(AdaptiveController(INTERFACE, settings), loop(0.0)[0], loop, 10.0)
+    sized = AdaptiveController(INTERFACE, settings).settings
     # the same feedback: with the right model σ˙ = -K_D/B σ makes K_P = Λ K_D/B, K_D = Λ + K_D/B
     damping = sized.damping_gain / np.diagonal(PRPArm().inertia_matrix(loop(0.0)[0][0]))
     gains = sized.reference_gain * damping, sized.reference_gain + damping
-    computed = JointInverseDynamics(INTERFACE, JointInverseDynamicsSettings(*gains, model=model))
+    computed = JointInverseDynamicsController(INTERFACE, JointInverseDynamicsSettings(*gains, model=model))
     fixed = simulate(computed, loop(0.0)[0], loop, 4.0)
     assert last_error(adapted) < 0.1 * last_error(fixed)
     assert last_error(fixed) > 2e-3  # [m]: there was something to win
@@ -191,7 +191,7 @@ def test_wrong_masses_cost_a_tenth_of_what_they_cost_without_adaptation(factors:
 
 def link_errors(settings: AdaptiveSettings, plant: Link, duration: float) -> tuple[Array, Array]:
     """Tracking errors along sin 2πt [rad], and the last estimate."""
-    policy, w = Adaptive(LINK_INTERFACE, settings), 2 * np.pi
+    policy, w = AdaptiveController(LINK_INTERFACE, settings), 2 * np.pi
     q, velocity, state, errors = np.zeros(1), np.array([w]), None, []
     for step in range(round(duration / PERIOD)):
         t = step * PERIOD

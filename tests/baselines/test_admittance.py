@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import Admittance, AdmittanceSettings
+from prp_gym.baselines import AdmittanceController, AdmittanceSettings
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot import PRPArm
 from tests.support.contact_cases import (
@@ -33,10 +33,10 @@ K_P = np.array([50.0, 60.0, 70.0, 80.0, 90.0, 100.0])
 K_D = np.array([10.0, 11.0, 12.0, 13.0, 14.0, 15.0])
 
 
-def custom(**settings: Any) -> Admittance:
+def custom(**settings: Any) -> AdmittanceController:
     target = {"inertia": M_T, "damping": K_DT, "stiffness": K_PT}
     given = {**target, "proportional_gain": K_P, "derivative_gain": K_D, **settings}
-    return Admittance(interface(), AdmittanceSettings(**given))
+    return AdmittanceController(interface(), AdmittanceSettings(**given))
 
 
 def push(pose: Array, motion: Array, seconds: float) -> Reference:

@@ -7,7 +7,12 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import Compliance, ComplianceSettings, OperationalPD, OperationalPDSettings
+from prp_gym.baselines import (
+    ComplianceController,
+    ComplianceSettings,
+    OperationalPDController,
+    OperationalPDSettings,
+)
 from prp_gym.robot import NOMINAL, RobotParameters
 from tests.support.control_interface import (
     POSE_INTERFACE,
@@ -27,9 +32,9 @@ MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(13)}
 HOME, GOAL = np.zeros(3), np.array([0.0, -0.2, 0.0])  # y = -0.54 and -0.34: the goal lies 0.1 m in the wall
 
 
-def controller(**settings: Any) -> Compliance:
+def controller(**settings: Any) -> ComplianceController:
     chosen = {"stiffness": STIFFNESS, "damping": DAMPING, **settings}
-    return Compliance(POSE_INTERFACE, ComplianceSettings(**chosen))
+    return ComplianceController(POSE_INTERFACE, ComplianceSettings(**chosen))
 
 
 @pytest.mark.parametrize(("model", "oracle"), MODELS.values(), ids=MODELS)
@@ -75,8 +80,8 @@ def test_desired_frame_turns_by_all_three_euler_angles() -> None:
 def test_equal_springs_and_dampers_know_no_frame() -> None:
     given = random_pose_observation(PinocchioArm(), 4, 20) | {"desired_velocity": np.zeros((20, 6))}
     gains = [50.0] * 3 + [40.0, 30.0, 20.0], [10.0] * 3 + [4.0, 3.0, 2.0]
-    plain = OperationalPD(POSE_INTERFACE, OperationalPDSettings(*gains)).torque(given)
-    compliant = Compliance(POSE_INTERFACE, ComplianceSettings(*gains)).torque(given)
+    plain = OperationalPDController(POSE_INTERFACE, OperationalPDSettings(*gains)).torque(given)
+    compliant = ComplianceController(POSE_INTERFACE, ComplianceSettings(*gains)).torque(given)
     np.testing.assert_allclose(compliant, plain, rtol=ROUNDING, atol=ROUNDING)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import ForceInnerPosition, ForceInnerPositionSettings
+from prp_gym.baselines import ForceInnerPositionController, ForceInnerPositionSettings
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot import PRPArm
 from tests.support.contact_cases import (
@@ -31,10 +31,10 @@ K_D = np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
 K_P = np.array([100.0, 200.0, 300.0, 400.0, 500.0, 600.0])
 
 
-def custom(**settings: Any) -> ForceInnerPosition:
+def custom(**settings: Any) -> ForceInnerPositionController:
     numbers = {"inertia": M_D, "derivative_gain": K_D, "proportional_gain": K_P, **settings}
     given = ForceInnerPositionSettings(**{"force_gain": 0.02, "integral_gain": 0.3, **numbers})
-    return ForceInnerPosition(interface(), given)
+    return ForceInnerPositionController(interface(), given)
 
 
 @pytest.mark.parametrize("origin", ["start", "base"])
@@ -61,7 +61,7 @@ def test_without_a_desired_force_the_measured_one_is_led_to_zero() -> None:
     given = ForceInnerPositionSettings(
         inertia=M_D, derivative_gain=K_D, proportional_gain=K_P, force_gain=0.0, integral_gain=0.3
     )
-    chosen = ForceInnerPosition(interface(layout=WITHOUT_DESIRED_FORCE), given)
+    chosen = ForceInnerPositionController(interface(layout=WITHOUT_DESIRED_FORCE), given)
     observed = random_observation(2, 3)
     del observed["desired_force"]
     observed["contact_force"] = np.array([[0.0, 2.0, 0.0], [0.0, 0.0, 0.0], [-3.0, 0.0, 4.0]])

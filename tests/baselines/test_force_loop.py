@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines.force_integral import ForceError, ScheduledGain
-from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
+from prp_gym.baselines.base.force_integral import ForceError, ScheduledGain
+from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot import PRPArm
 from tests.support.contact_cases import controller, flat, random_cases, random_observation
 from tests.support.contact_plant import LIMIT, Wall, simulate

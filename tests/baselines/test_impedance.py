@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import Impedance, ImpedanceSettings
+from prp_gym.baselines import ImpedanceController, ImpedanceSettings
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot import NOMINAL, RobotParameters
 from tests.support.control_interface import (
@@ -31,9 +31,9 @@ MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(14)}
 HOME, GOAL = np.zeros(3), np.array([0.0, -0.2, 0.0])  # y = -0.54 and -0.34: the goal lies 0.1 m in the wall
 
 
-def controller(**settings: Any) -> Impedance:
+def controller(**settings: Any) -> ImpedanceController:
     chosen = {"inertia": INERTIA, "damping": DAMPING, "stiffness": STIFFNESS, **settings}
-    return Impedance(POSE_INTERFACE, ImpedanceSettings(**chosen))
+    return ImpedanceController(POSE_INTERFACE, ImpedanceSettings(**chosen))
 
 
 def wanted(given: Observed) -> Array:

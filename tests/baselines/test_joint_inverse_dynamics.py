@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import JointInverseDynamics, JointInverseDynamicsSettings
+from prp_gym.baselines import JointInverseDynamicsController, JointInverseDynamicsSettings
 from prp_gym.robot import NOMINAL, PRPArm, RobotParameters
 from tests.support.control_interface import INTERFACE, LINK_INTERFACE
 from tests.support.pinocchio_model import PinocchioArm, per_row, random_arm, random_states
@@ -19,9 +19,9 @@ ROUNDING = 1e-11  # torques up to 1e4, a few dozen operations of 1e-16 each
 MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(9)}
 
 
-def controller(**settings: Any) -> JointInverseDynamics:
+def controller(**settings: Any) -> JointInverseDynamicsController:
     chosen = {"proportional_gain": K_P, "derivative_gain": K_D, **settings}
-    return JointInverseDynamics(INTERFACE, JointInverseDynamicsSettings(**chosen))
+    return JointInverseDynamicsController(INTERFACE, JointInverseDynamicsSettings(**chosen))
 
 
 def observed(seed: int, count: int) -> dict[str, Array]:
@@ -122,7 +122,7 @@ def test_model_is_nominal_unless_named() -> None:
 
 
 def test_link_is_controlled_by_the_same_law() -> None:
-    pendulum = JointInverseDynamics(LINK_INTERFACE, JointInverseDynamicsSettings(7.0, 2.0))
+    pendulum = JointInverseDynamicsController(LINK_INTERFACE, JointInverseDynamicsSettings(7.0, 2.0))
     torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 1.1]))
     y = 1.1 + 2.0 * 1.2 + 7.0 * 0.3
     assert torque == pytest.approx(0.5 * y - 0.15 * 0.5 + 1.85 * np.sin(0.3), rel=1e-13)

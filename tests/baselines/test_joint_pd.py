@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import JointPD, JointPDSettings
+from prp_gym.baselines import JointPDController, JointPDSettings
 from prp_gym.baselines.joint_pd import GRAVITY_MODES
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot import NOMINAL, Link, PRPArm, RobotParameters
@@ -26,8 +26,8 @@ GRAVITY_AT: dict[str, Callable[[PinocchioArm, Array, Array], Array]] = {
 }
 
 
-def controller(**settings: Any) -> JointPD:
-    return JointPD(
+def controller(**settings: Any) -> JointPDController:
+    return JointPDController(
         INTERFACE, JointPDSettings(**{"proportional_gain": K_P, "derivative_gain": K_D, **settings})
     )
 
@@ -145,13 +145,13 @@ def test_reference_may_come_from_operational_space() -> None:
         *(given[f"desired_joint_{name}"] for name in ("position", "velocity", "acceleration"))
     )
     moved = given | dict(zip(names, motion, strict=True))
-    torque = JointPD(POSE_INTERFACE, JointPDSettings(K_P, K_D)).torque(moved)
+    torque = JointPDController(POSE_INTERFACE, JointPDSettings(K_P, K_D)).torque(moved)
     # there and back through the kinematics, whose condition number is below 4, times gains of 500
     np.testing.assert_allclose(torque, controller().torque(given), rtol=1e-10, atol=1e-9)
 
 
 def test_link_is_controlled_by_the_same_law() -> None:
-    pendulum = JointPD(LINK_INTERFACE, JointPDSettings(7.0, 2.0))
+    pendulum = JointPDController(LINK_INTERFACE, JointPDSettings(7.0, 2.0))
     torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 0.0]))
     assert torque == pytest.approx(1.85 * np.sin(0.3) + 7.0 * 0.3 + 2.0 * 1.2, rel=1e-13)
     assert pendulum.model == Link()

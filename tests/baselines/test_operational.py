@@ -6,8 +6,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import BASELINES, Baseline, ControlInterface, OperationalPD, OperationalPDSettings
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines import (
+    BASELINES,
+    Baseline,
+    ControlInterface,
+    OperationalPDController,
+    OperationalPDSettings,
+)
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import InvalidValueError, MissingFieldError
 from prp_gym.robot import Link
 from tests.support.control_interface import (
@@ -33,7 +39,7 @@ def make(name: str, gains: str = "tuned") -> Baseline[Any]:
     values = load_gains(name, gains, "PRP-PoseRegulation-v0")
     settings = {k: v for k, v in values.items() if k not in ("source", "minimum_frequency")}
     controller = BASELINES[name]
-    return controller(POSE_INTERFACE, controller.settings_class.from_mapping(name, settings))
+    return controller.policy(POSE_INTERFACE, controller.settings_class.from_mapping(name, settings))
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -94,10 +100,10 @@ def test_tuned_gains_make_any_move_without_chatter(name: str) -> None:
 def test_link_has_no_pose_to_control(name: str) -> None:
     controller = BASELINES[name]
     with pytest.raises(MissingFieldError, match="end_effector_pose"):
-        controller(LINK_INTERFACE, make(name).settings)
+        controller.policy(LINK_INTERFACE, make(name).settings)
 
 
 def test_model_that_has_no_pose_is_refused() -> None:
     interface = ControlInterface("PRP-A-v0", POSE_LAYOUT, LIMIT, PERIOD, Link())
     with pytest.raises(InvalidValueError, match="the arm: a link has no pose"):
-        OperationalPD(interface, OperationalPDSettings(1.0, 1.0))
+        OperationalPDController(interface, OperationalPDSettings(1.0, 1.0))

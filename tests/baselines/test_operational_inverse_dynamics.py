@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from prp_gym.baselines import (
     ControlInterface,
-    OperationalInverseDynamics,
+    OperationalInverseDynamicsController,
     OperationalInverseDynamicsSettings,
 )
 from prp_gym.errors import MissingFieldError, UnknownNameError
@@ -35,9 +35,9 @@ DIFFERENCES = 1e-6  # the oracle's J̇_A q̇ is off by 1e-9, torques reach 1e3
 MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(12)}
 
 
-def controller(**settings: Any) -> OperationalInverseDynamics:
+def controller(**settings: Any) -> OperationalInverseDynamicsController:
     chosen = {"proportional_gain": K_P, "derivative_gain": K_D, **settings}
-    return OperationalInverseDynamics(POSE_INTERFACE, OperationalInverseDynamicsSettings(**chosen))
+    return OperationalInverseDynamicsController(POSE_INTERFACE, OperationalInverseDynamicsSettings(**chosen))
 
 
 def wanted(given: Observed) -> Array:
@@ -139,9 +139,11 @@ def test_held_against_a_wall_only_the_compensated_law_loses_no_ground() -> None:
 def test_contact_that_is_not_measured_cannot_be_compensated() -> None:
     layout = ObservationLayout((*MEASURED_FIELDS, *POSE_REFERENCE_FIELDS))
     free = ControlInterface("PRP-PoseTracking-v0", layout, LIMIT, 0.002, PRPArm())
-    OperationalInverseDynamics(free, OperationalInverseDynamicsSettings(K_P, K_D))
+    OperationalInverseDynamicsController(free, OperationalInverseDynamicsSettings(K_P, K_D))
     with pytest.raises(MissingFieldError) as caught:
-        OperationalInverseDynamics(free, OperationalInverseDynamicsSettings(K_P, K_D, contact="compensated"))
+        OperationalInverseDynamicsController(
+            free, OperationalInverseDynamicsSettings(K_P, K_D, contact="compensated")
+        )
     assert caught.value.missing == ("contact_force",)
     assert "contact_force" in POSE_LAYOUT.names
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import OperationalPD, OperationalPDSettings
+from prp_gym.baselines import OperationalPDController, OperationalPDSettings
 from prp_gym.robot import NOMINAL, RobotParameters
 from tests.support.control_interface import (
     INTERFACE,
@@ -26,9 +26,9 @@ ROUNDING = 1e-11  # torques up to 1e3, a few dozen operations of 1e-16 each
 MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(11)}
 
 
-def controller(**settings: Any) -> OperationalPD:
+def controller(**settings: Any) -> OperationalPDController:
     chosen = {"proportional_gain": K_P, "derivative_gain": K_D, **settings}
-    return OperationalPD(POSE_INTERFACE, OperationalPDSettings(**chosen))
+    return OperationalPDController(POSE_INTERFACE, OperationalPDSettings(**chosen))
 
 
 @pytest.mark.parametrize(("model", "oracle"), MODELS.values(), ids=MODELS)
@@ -93,6 +93,6 @@ def test_constant_reference_is_reached_without_steady_error() -> None:
 def test_reference_may_come_from_joint_space() -> None:
     settings = OperationalPDSettings(K_P, K_D)
     goal = hold((0.5, -0.2, 1.0))
-    there = simulate(OperationalPD(POSE_INTERFACE, settings), np.zeros(3), goal, 0.2)
-    here = simulate(OperationalPD(INTERFACE, settings), np.zeros(3), goal, 0.2)
+    there = simulate(OperationalPDController(POSE_INTERFACE, settings), np.zeros(3), goal, 0.2)
+    here = simulate(OperationalPDController(INTERFACE, settings), np.zeros(3), goal, 0.2)
     np.testing.assert_allclose(here.joint_position, there.joint_position, atol=1e-9)  # float32 actions

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import ForceLoopSettings, ParallelForcePosition
+from prp_gym.baselines import ForceLoopSettings, ParallelForcePositionController
 from prp_gym.robot import PRPArm
 from tests.support.contact_cases import (
     UNLIMITED,
@@ -27,10 +27,10 @@ K_D = np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
 K_P = np.array([100.0, 200.0, 300.0, 400.0, 500.0, 600.0])
 
 
-def custom(**settings: Any) -> ParallelForcePosition:
+def custom(**settings: Any) -> ParallelForcePositionController:
     numbers = {"inertia": M_D, "derivative_gain": K_D, "proportional_gain": K_P, **settings}
     given = ForceLoopSettings(**{"force_gain": 0.02, "integral_gain": 0.3, **numbers})
-    return ParallelForcePosition(interface(), given)
+    return ParallelForcePositionController(interface(), given)
 
 
 def test_torque_and_integral_are_those_of_the_formula() -> None:

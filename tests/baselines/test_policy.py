@@ -26,8 +26,8 @@ from prp_gym.baselines import (
     list_baselines,
     make_baseline,
 )
-from prp_gym.baselines.force_loop import ForceLoop
-from prp_gym.baselines.references import REFERENCE_FIELDS
+from prp_gym.baselines.base.force_loop import ForceLoop
+from prp_gym.baselines.base.references import REFERENCE_FIELDS
 from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.evaluation import evaluate
 from prp_gym.robot import PRPArm
@@ -149,14 +149,14 @@ def test_interface_of_another_suite_is_refused(foreign: Any) -> None:
 
 def test_missing_field_is_named_before_anything_runs(env: Env) -> None:
     layout = env.get_wrapper_attr("observation_layout")
-    controllers: tuple[type[Baseline[Any]], ...] = (*BASELINES.values(), Hold)
+    controllers: tuple[type[Baseline[Any]], ...] = (*(spec.policy for spec in BASELINES.values()), Hold)
     for controller in controllers:
         for absent in set(controller.measured_fields) & set(layout.names):
             reduced = ObservationLayout([field for field in layout.fields if field.name != absent])
             interface = ControlInterface("PRP-JointTracking-v0", reduced, LIMIT, 0.002, PRPArm())
             with pytest.raises(MissingFieldError) as caught:
                 controller(interface, HoldSettings(1.0))
-            assert caught.value.controller == controller.name
+            assert caught.value.controller == controller.__name__
             assert absent in caught.value.missing
             assert caught.value.available == reduced.names
 

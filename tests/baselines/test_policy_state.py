@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import Baseline, ControlInterface, JointPD, JointPDSettings, Settings, Vector
+from prp_gym.baselines import Baseline, ControlInterface, JointPDController, JointPDSettings, Settings, Vector
 from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.robot import NOMINAL, NOMINAL_LINK, Link, LinkParameters, PRPArm
 from prp_gym.tasks.fields import MEASURED_FIELDS, ObservationLayout
@@ -162,7 +162,7 @@ def test_full_torque_is_not_beyond_the_limit() -> None:
 
 
 def test_law_without_memory_has_no_state() -> None:
-    controller = JointPD(INTERFACE, JointPDSettings(1.0, 1.0))
+    controller = JointPDController(INTERFACE, JointPDSettings(1.0, 1.0))
     observation = observations(1.0, 2.0)
     action, state = controller.predict(observation, None, np.array([True, False]))
     assert state is None
@@ -173,29 +173,31 @@ def test_law_without_memory_has_no_state() -> None:
 
 def test_model_of_the_law_is_the_nominal_one_or_its_own() -> None:
     heavy = NOMINAL.with_masses((2.0, 1.0, 1.0))
-    assert JointPD(INTERFACE, JointPDSettings(1.0, 1.0)).model == PRPArm()
-    assert JointPD(INTERFACE, JointPDSettings(1.0, 1.0, model=heavy)).model == PRPArm(heavy)
+    assert JointPDController(INTERFACE, JointPDSettings(1.0, 1.0)).model == PRPArm()
+    assert JointPDController(INTERFACE, JointPDSettings(1.0, 1.0, model=heavy)).model == PRPArm(heavy)
     light = LinkParameters(inertia=0.1)
-    assert JointPD(LINK_INTERFACE, JointPDSettings(1.0, 1.0, model=light)).model == Link(light)
+    assert JointPDController(LINK_INTERFACE, JointPDSettings(1.0, 1.0, model=light)).model == Link(light)
 
 
 def test_model_of_another_robot_is_refused() -> None:
     with pytest.raises(
         InvalidValueError, match=r"model of PRP-JointTracking-v0 is .*; allowed: a RobotParam"
     ):
-        JointPD(INTERFACE, JointPDSettings(1.0, 1.0, model=NOMINAL_LINK))
+        JointPDController(INTERFACE, JointPDSettings(1.0, 1.0, model=NOMINAL_LINK))
     with pytest.raises(InvalidValueError, match=r"model of PRP-Adaptive-v0 is .*; allowed: a LinkParameters"):
-        JointPD(LINK_INTERFACE, JointPDSettings(1.0, 1.0, model=NOMINAL))
+        JointPDController(LINK_INTERFACE, JointPDSettings(1.0, 1.0, model=NOMINAL))
 
 
 def test_gains_get_the_robot_s_size() -> None:
-    assert JointPD(LINK_INTERFACE, JointPDSettings(1.0, 1.0)).settings.proportional_gain.shape == (1,)
-    assert JointPD(INTERFACE, JointPDSettings(1.0, 1.0)).settings.proportional_gain.shape == (3,)
+    assert JointPDController(LINK_INTERFACE, JointPDSettings(1.0, 1.0)).settings.proportional_gain.shape == (
+        1,
+    )
+    assert JointPDController(INTERFACE, JointPDSettings(1.0, 1.0)).settings.proportional_gain.shape == (3,)
     with pytest.raises(ShapeError, match="setting 'derivative_gain'"):
-        JointPD(LINK_INTERFACE, JointPDSettings(1.0, [1.0, 2.0, 3.0]))
+        JointPDController(LINK_INTERFACE, JointPDSettings(1.0, [1.0, 2.0, 3.0]))
 
 
 def test_either_reference_will_do_and_none_is_named() -> None:
     interface = ControlInterface("PRP-A-v0", ObservationLayout(MEASURED_FIELDS), LIMIT, PERIOD, PRPArm())
     with pytest.raises(MissingFieldError, match="desired_joint_position or desired_pose"):
-        JointPD(interface, JointPDSettings(1.0, 1.0))
+        JointPDController(interface, JointPDSettings(1.0, 1.0))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from prp_gym.baselines.references import JointReferences, PoseReferences
+from prp_gym.baselines.base.references import JointReferences, PoseReferences
 from prp_gym.robot import PRPArm
 from tests.support.control_interface import oracle_drift, oracle_jacobian, oracle_pose
 from tests.support.pinocchio_model import PinocchioArm, random_states

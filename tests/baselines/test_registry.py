@@ -11,8 +11,8 @@ from gymnasium.wrappers import ClipAction, TimeLimit
 
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
-from prp_gym.baselines.gains import gain_sets
-from prp_gym.baselines.references import REFERENCE_FIELDS
+from prp_gym.baselines.base.gains import gain_sets
+from prp_gym.baselines.base.references import REFERENCE_FIELDS
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot import Link, LinkParameters, RobotParameters
 from prp_gym.tasks.fields import MEASURED_FIELDS, ObservationLayout
@@ -33,9 +33,9 @@ def env(request: pytest.FixtureRequest) -> Iterator[Env]:
 
 def test_laws_are_listed_under_their_own_names() -> None:
     assert list_baselines() == list(BASELINES)
-    for name, controller in BASELINES.items():
-        assert controller.name == name
-        assert issubclass(controller, Baseline)
+    for name, spec in BASELINES.items():
+        assert spec.name == name
+        assert issubclass(spec.policy, Baseline)
 
 
 def test_list_is_the_caller_s_own() -> None:
@@ -52,7 +52,7 @@ def test_every_law_says_in_one_line_what_it_is() -> None:
 def test_every_listed_law_runs(env: Env) -> None:
     observation, _ = env.reset(seed=2)
     names = list_baselines(env.get_wrapper_attr("observation_layout"))
-    assert [make_baseline(name, env).name for name in names] == names
+    assert [type(make_baseline(name, env)) for name in names] == [BASELINES[name].policy for name in names]
     for name in names:
         _, reward, *_ = env.step(make_baseline(name, env).predict(observation)[0])
         assert float(reward) > 0.0
@@ -64,7 +64,9 @@ def test_law_is_listed_only_where_all_its_fields_are_observed(env: Env) -> None:
         reduced = ObservationLayout([field for field in layout.fields if field.name != absent])
         needed = {absent} & {name for fields in REFERENCE_FIELDS for name in fields}
         readers = [
-            name for name in list_baselines(layout) if needed or absent in BASELINES[name].measured_fields
+            name
+            for name in list_baselines(layout)
+            if needed or absent in BASELINES[name].policy.measured_fields
         ]
         assert list_baselines(reduced) == [name for name in list_baselines(layout) if name not in readers]
 
@@ -80,7 +82,7 @@ def test_every_required_field_is_one_that_an_environment_observes(controller: st
         made = gymnasium.make(environment_id)
         known |= set(made.get_wrapper_attr("observation_layout").names)
         made.close()
-    assert set(BASELINES[controller].measured_fields) <= known
+    assert set(BASELINES[controller].policy.measured_fields) <= known
 
 
 def test_policy_is_the_same_through_wrappers(env: Env) -> None:
@@ -126,12 +128,12 @@ def test_misspelt_gain_set_or_setting_gets_the_nearest_name(controller: str, env
     name = next(iter(BASELINES[controller].settings_class.vectors))
     with pytest.raises(UnknownNameError, match=f"Did you mean '{name}'") as caught:
         make_baseline(controller, env, "tuned", **{f"{name}s": 1.0})
-    assert caught.value.kind == f"setting of law {controller!r}"
+    assert caught.value.kind == f"setting of controller {controller!r}"
 
 
 @pytest.mark.parametrize("controller", BASELINES)
 def test_source_of_a_gain_set_is_no_setting(controller: str, env: Env) -> None:
-    with pytest.raises(UnknownNameError, match=r"unknown setting of law .* 'source'"):
+    with pytest.raises(UnknownNameError, match=r"unknown setting of controller .* 'source'"):
         make_baseline(controller, env, source="mine")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines import OperationalInverseDynamics, OperationalInverseDynamicsSettings
+from prp_gym.baselines import OperationalInverseDynamicsController, OperationalInverseDynamicsSettings
 from prp_gym.robot import NOMINAL
 from tests.support.control_interface import (
     POSE_INTERFACE,
@@ -27,9 +27,9 @@ ARM = PinocchioArm()
 K_P, K_D = np.array([50.0, 60.0, 70.0, 40.0, 30.0, 20.0]), np.array([10.0, 11.0, 12.0, 14.0, 13.0, 12.0])
 
 
-def controller(joint_limits: str = "respected", **settings: Any) -> OperationalInverseDynamics:
+def controller(joint_limits: str = "respected", **settings: Any) -> OperationalInverseDynamicsController:
     given = {"proportional_gain": K_P, "derivative_gain": K_D, "joint_limits": joint_limits, **settings}
-    return OperationalInverseDynamics(POSE_INTERFACE, OperationalInverseDynamicsSettings(**given))
+    return OperationalInverseDynamicsController(POSE_INTERFACE, OperationalInverseDynamicsSettings(**given))
 
 
 def at_limits(seed: int, count: int) -> Observed:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
+from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.errors import InvalidValueError
 
 Array = NDArray[np.float64]

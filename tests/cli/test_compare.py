@@ -1,4 +1,4 @@
-"""A small comparison from the command line: what is played, written, printed, reused and refused."""
+"""A small comparison from the command line: what is run, written, printed, reused and refused."""
 
 import json
 from dataclasses import asdict
@@ -13,15 +13,16 @@ from typer.testing import CliRunner
 
 from prp_gym import load_agent
 from prp_gym.agents.policy import agent_file
+from prp_gym.artifacts import to_array, to_plain, write_json
 from prp_gym.baselines import BASELINES, make_baseline
 from prp_gym.cli.main import app
 from prp_gym.comparison import agents as compared_agents
-from prp_gym.comparison import jobs as compared_pairs
+from prp_gym.comparison import jobs as comparison_jobs
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import evaluate
-from prp_gym.evaluation.results import to_array, to_plain, write_json
-from prp_gym.runs import run as run_jobs
+from prp_gym.runs import run as runs
+from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Job, JobResult, run_job
 from prp_gym.tuning import TunedController, Validation
 from prp_gym.tuning import tuned_controller as tuned_law
@@ -105,10 +106,10 @@ def test_comparison_plays_every_policy_and_writes_results_and_pictures(tmp_path:
     assert max(map(len, output.splitlines())) <= WIDTH
     for title in (
         f"{ID}, scenario randomized",
-        "agents over training seeds",
-        "best law against best agent",
-        "all tasks together",
-        "to the best law's score",
+        "agents by training seed",
+        "best controller against best agent",
+        "score over all tasks",
+        "learning effort: until the score of the best controller is reached",
         "reward against physical error",
     ):
         assert title in output
@@ -207,22 +208,22 @@ def test_deterministic_scenario_is_played_once_and_nothing_learned_leaves_no_cur
 def test_interrupted_comparison_goes_on_where_it_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    played: list[str] = []
+    finished: list[str] = []
 
-    def play(pair: Job) -> JobResult:
-        if len(played) == 5:
+    def run_five(controllers: Controllers, job: Job) -> JobResult:
+        if len(finished) == 5:
             raise KeyboardInterrupt
-        played.append(pair.name)
-        return run_job(pair)
+        finished.append(job.name)
+        return run_job(controllers, job)
 
     options = ["compare", "--jobs", "1", "--output", str(tmp_path / "out"), *OPTIONS]
     with monkeypatch.context() as patch:
-        patch.setattr(run_jobs, "play_pair", play)
+        patch.setattr(runs, "run_job", run_five)
         assert RUNNER.invoke(app, options).exit_code != 0
-    left = {path.stem: path.read_bytes() for path in (tmp_path / "out" / "pairs").iterdir()}
-    assert set(left) == set(played)
+    left = {path.stem: path.read_bytes() for path in (tmp_path / "out" / "jobs").iterdir()}
+    assert set(left) == set(finished)
     content, _, error = run(tmp_path / "out")
-    assert error.startswith("5 of 12 pairs were finished by an interrupted run")
+    assert error.startswith("5 of 12 jobs were finished by an interrupted run")
     records = [json.loads(text)["record"] for text in left.values()]
     assert all(record in content["evaluations"] for record in records)  # measured times included
     _, _, error = run(tmp_path / "out")
@@ -231,26 +232,27 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
 
 def test_agent_that_was_trained_anew_is_played_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr("prp_gym.runs.store.FinishedPairs.remove", lambda *_: None)
+        patch.setattr("prp_gym.runs.store.JobStore.remove", lambda *_: None)
         run(tmp_path / "out", "--scenario", "randomized")
     save(tmp_path / "trained" / ID / "ppo_torque_seed_1", 1, network=2)
     _, _, error = run(tmp_path / "out", "--scenario", "randomized")
-    assert error == "5 of 6 pairs were finished by an interrupted run and are reused."
+    assert error == "5 of 6 jobs were finished by an interrupted run and are reused."
 
 
 def test_files_that_change_under_way_are_refused(tmp_path: Path) -> None:
     (agent,) = compared_agents.find_agents([ID], [save(tmp_path / "mine", seed=7)])[2:]
-    pair = compared_pairs.AgentJob(agent, "randomized", 1, 0)
-    assert pair.play()["training_seed"] == 7
+    job = comparison_jobs.AgentJob(agent, "randomized", 1, 0)
+    record = job.run(Controllers())
+    assert (record["training_seed"], record["revisions"]) == (7, {"task": 1, "agent": 1})
     save(tmp_path / "mine", seed=8)
     with pytest.raises(InvalidValueError, match="SHA-256"):
-        pair.play()
+        job.run(Controllers())
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--baseline", "impedance"), "a law that runs on the chosen environments"),
+        (("--baseline", "impedance"), "a controller that runs on the chosen environments"),
         (("--env", "PRP-Nothing-v0"), "unknown environment"),
         (("--scenario", "reprot"), "unknown scenario"),
         (("--episodes", "0"), "episodes is 0"),
@@ -294,7 +296,7 @@ def test_damaged_file_of_a_tuned_law_is_refused_before_anything_is_written(tmp_p
 def test_agents_of_two_groups_are_kept_apart_even_if_their_files_are_alike(tmp_path: Path) -> None:
     stems = [save(tmp_path / name / f"{name}_seed_5", seed=5) for name in ("one", "two (2)")]
     agents = compared_agents.find_agents([ID], stems)[2:]
-    pairs = [compared_pairs.AgentJob(agent, "randomized", 1, 0) for agent in agents]
+    jobs = [comparison_jobs.AgentJob(agent, "randomized", 1, 0) for agent in agents]
     assert agents[0].sha256 == agents[1].sha256
-    assert len({pair.name for pair in pairs}) == 2
-    assert not any(set(pair.name) & set(" ()/") for pair in pairs)
+    assert len({job.name for job in jobs}) == 2
+    assert not any(set(job.name) & set(" ()/") for job in jobs)

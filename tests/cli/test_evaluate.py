@@ -15,24 +15,28 @@ from typer.testing import CliRunner
 
 from prp_gym.cli.main import app
 from prp_gym.errors import EpisodeError, InvalidValueError
-from prp_gym.runs import job as pairs
-from prp_gym.runs import run as run_jobs
-from prp_gym.runs.job import EvaluationJob, JobResult, Record, list_jobs, run_job
+from prp_gym.runs import code, run
+from prp_gym.runs.choice import ControllerChoice, GainsChoice
+from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
+from prp_gym.runs.job import JobResult, Record, run_job
 from prp_gym.runs.store import JobStore
 from tests.runs.test_workers import needs_ray
 
 RUNNER = CliRunner()
 IDS = ("PRP-JointTracking-v0", "PRP-Adaptive-v0")
-LAWS = ("joint_pd", "joint_inverse_dynamics", "adaptive")
+CONTROLLERS = ("joint_pd", "joint_inverse_dynamics", "adaptive")
 SCENARIOS = ("randomized", "report")
 OPTIONS = [
     *(item for environment_id in IDS for item in ("--env", environment_id)),
-    *(item for controller in LAWS for item in ("--baseline", controller)),
+    *(item for controller in CONTROLLERS for item in ("--baseline", controller)),
     *(item for scenario in SCENARIOS for item in ("--scenario", scenario)),
     *("--gains", "tuned_50hz", "--control-frequency", "50", "--episodes", "3", "--seed", "5"),
 ]
-PLACES = [(environment_id, scenario) for environment_id in IDS for scenario in SCENARIOS]
-PAIRS = list_jobs(PLACES, LAWS, "tuned_50hz", 50.0, 3, 5)
+CONDITIONS = [(environment_id, scenario) for environment_id in IDS for scenario in SCENARIOS]
+REGISTERED = Controllers()
+CHOICES = [ControllerChoice(name, gains=GainsChoice("tuned_50hz")) for name in CONTROLLERS]
+JOBS = list_jobs(CONDITIONS, CHOICES, REGISTERED, 50.0, 3, 5)
 
 
 def outcome(folder: Path) -> list[dict[str, Any]]:
@@ -79,7 +83,7 @@ def test_results_are_in_the_order_of_the_options(expected: list[dict[str, Any]])
         (environment_id, scenario, controller)
         for environment_id in IDS
         for scenario in SCENARIOS
-        for controller in LAWS
+        for controller in CONTROLLERS
     ]
 
 
@@ -88,26 +92,26 @@ def test_run_that_was_killed_goes_on_where_it_stopped(tmp_path: Path, expected: 
         command(tmp_path, "--jobs", "2"), start_new_session=True, stdout=subprocess.DEVNULL
     )
     for _ in range(60_000):
-        if list(tmp_path.glob("pairs/[!.]*.json")):
+        if list(tmp_path.glob("jobs/[!.]*.json")):
             break
         time.sleep(0.001)
     os.killpg(process.pid, signal.SIGKILL)  # its workers, too, so that none outlives the test
     assert process.wait() == -signal.SIGKILL
-    left = {path.stem: path.read_bytes() for path in tmp_path.glob("pairs/[!.]*.json")}
-    assert 1 <= len(left) < len(PAIRS)
+    left = {path.stem: path.read_bytes() for path in tmp_path.glob("jobs/[!.]*.json")}
+    assert 1 <= len(left) < len(JOBS)
     assert not (tmp_path / "results.json").exists()
     _, error = run_here(tmp_path)
-    assert error.startswith(f"{len(left)} of {len(PAIRS)} pairs were finished by an interrupted run")
+    assert error.startswith(f"{len(left)} of {len(JOBS)} jobs were finished by an interrupted run")
     content = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
-    for pair, row in zip(PAIRS, content["evaluations"], strict=True):
-        if pair.name in left:  # measured times included, so it was not played again
-            assert row == json.loads(left[pair.name])["record"]
+    for job, row in zip(JOBS, content["evaluations"], strict=True):
+        if job.name in left:  # measured times included, so it was not run again
+            assert row == json.loads(left[job.name])["record"]
     assert outcome(tmp_path) == expected
 
 
 def marked(time_of_an_action: float) -> Record:
-    """The record of the first pair with a time that cannot have been measured."""
-    return {**run_job(PAIRS[0]).record, "compute_time_per_step": time_of_an_action}
+    """The record of the first job with a time that cannot have been measured."""
+    return {**run_job(REGISTERED, JOBS[0]).record, "compute_time_per_step": time_of_an_action}
 
 
 def first_time(folder: Path) -> float:
@@ -115,12 +119,12 @@ def first_time(folder: Path) -> float:
     return float(content["evaluations"][0]["compute_time_per_step"])
 
 
-def test_finished_pair_is_reused_and_the_next_run_is_a_whole_one(
+def test_finished_job_is_reused_and_the_next_run_is_a_whole_one(
     tmp_path: Path, expected: list[dict[str, Any]]
 ) -> None:
-    JobStore(tmp_path / "pairs").keep(PAIRS[0], marked(123e-6))
+    JobStore(tmp_path / "jobs").keep(JOBS[0], marked(123e-6))
     output, error = run_here(tmp_path)
-    assert error == f"1 of {len(PAIRS)} pairs were finished by an interrupted run and are reused."
+    assert error == f"1 of {len(JOBS)} jobs were finished by an interrupted run and are reused."
     assert re.search(r"^ joint_pd .* 123 $", output, re.MULTILINE)
     assert first_time(tmp_path) == 123e-6
     assert outcome(tmp_path) == expected
@@ -130,31 +134,31 @@ def test_finished_pair_is_reused_and_the_next_run_is_a_whole_one(
 
 
 def test_fresh_run_reuses_nothing(tmp_path: Path, expected: list[dict[str, Any]]) -> None:
-    JobStore(tmp_path / "pairs").keep(PAIRS[0], marked(123e-6))
+    JobStore(tmp_path / "jobs").keep(JOBS[0], marked(123e-6))
     _, error = run_here(tmp_path, "--fresh")
     assert error == ""
     assert first_time(tmp_path) != 123e-6
     assert outcome(tmp_path) == expected
 
 
-def test_damaged_and_foreign_files_are_told_and_their_pairs_played_again(
+def test_damaged_and_foreign_files_are_told_and_their_jobs_run_again(
     tmp_path: Path, expected: list[dict[str, Any]]
 ) -> None:
-    finished = JobStore(tmp_path / "pairs")
-    finished.keep(PAIRS[0], marked(123e-6))
-    (tmp_path / "pairs" / f"{PAIRS[1].name}.json").write_text('{"key": {"pa')
-    (tmp_path / "pairs" / f"{PAIRS[2].name}.json").write_text('{"evaluations": []}')
+    finished = JobStore(tmp_path / "jobs")
+    finished.keep(JOBS[0], marked(123e-6))
+    (tmp_path / "jobs" / f"{JOBS[1].name}.json").write_text('{"key": {"pa')
+    (tmp_path / "jobs" / f"{JOBS[2].name}.json").write_text('{"evaluations": []}')
     _, error = run_here(tmp_path)
-    assert error.startswith(f"1 of {len(PAIRS)} pairs")
+    assert error.startswith(f"1 of {len(JOBS)} jobs")
     assert error.endswith("Not reused, as damaged or of other settings or code: 2.")
     assert outcome(tmp_path) == expected
 
 
 def test_changed_settings_reuse_nothing(tmp_path: Path) -> None:
-    JobStore(tmp_path / "pairs").keep(PAIRS[0], marked(123e-6))
+    JobStore(tmp_path / "jobs").keep(JOBS[0], marked(123e-6))
     _, error = run_here(tmp_path, "--seed", "6")
-    assert error.startswith(f"0 of {len(PAIRS)} pairs")
-    assert [row["seeds"][0] for row in outcome(tmp_path)] == [6] * len(PAIRS)
+    assert error.startswith(f"0 of {len(JOBS)} jobs")
+    assert [row["seeds"][0] for row in outcome(tmp_path)] == [6] * len(JOBS)
 
 
 @pytest.mark.parametrize(
@@ -163,22 +167,22 @@ def test_changed_settings_reuse_nothing(tmp_path: Path) -> None:
 def test_what_was_finished_before_a_failure_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected: list[dict[str, Any]], stop: BaseException
 ) -> None:
-    played: list[EvaluationJob] = []
+    finished: list[EvaluationJob] = []
 
-    def play(pair: EvaluationJob) -> JobResult:
-        if len(played) == 2:
+    def run_two(controllers: Controllers, job: EvaluationJob) -> JobResult:
+        if len(finished) == 2:
             raise stop
-        played.append(pair)
-        return run_job(pair)
+        finished.append(job)
+        return run_job(controllers, job)
 
     with monkeypatch.context() as patch:
-        patch.setattr(run_jobs, "play_pair", play)
+        patch.setattr(run, "run_job", run_two)
         result = RUNNER.invoke(app, ["evaluate", "--jobs", "1", "--output", str(tmp_path), *OPTIONS])
     assert result.exit_code != 0
-    assert {path.stem for path in (tmp_path / "pairs").iterdir()} == {pair.name for pair in played}
-    assert len(played) == 2
+    assert {path.stem for path in (tmp_path / "jobs").iterdir()} == {job.name for job in finished}
+    assert len(finished) == 2
     _, error = run_here(tmp_path)
-    assert error.startswith(f"2 of {len(PAIRS)} pairs")
+    assert error.startswith(f"2 of {len(JOBS)} jobs")
     assert outcome(tmp_path) == expected
 
 
@@ -188,7 +192,7 @@ def test_what_was_finished_before_a_failure_is_kept(
 def test_workers_of_other_code_are_refused_and_nothing_of_theirs_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, value: Any
 ) -> None:
-    monkeypatch.setattr(pairs, name, lambda: value)  # here alone: workers import their own
+    monkeypatch.setattr(code, name, lambda: value)  # here alone: workers import their own
     result = RUNNER.invoke(app, ["evaluate", "--jobs", "2", "--output", str(tmp_path), *OPTIONS])
     assert isinstance(result.exception, InvalidValueError)
     assert str(result.exception).startswith("code of a worker on ")
@@ -197,7 +201,7 @@ def test_workers_of_other_code_are_refused_and_nothing_of_theirs_is_kept(
 
 @pytest.mark.parametrize(("jobs", "told"), [(0, True), (1, False), (2, True)])
 def test_times_measured_on_a_busy_machine_are_told_to_be_so(tmp_path: Path, jobs: int, told: bool) -> None:
-    options = ("--env", IDS[0], "--baseline", LAWS[0], "--scenario", "report", "--jobs", str(jobs))
+    options = ("--env", IDS[0], "--baseline", CONTROLLERS[0], "--scenario", "report", "--jobs", str(jobs))
     result = RUNNER.invoke(app, ["evaluate", "--output", str(tmp_path), *options])
     assert result.exit_code == 0, result.output
-    assert ("law µs: measured beside other work" in result.stdout) == told
+    assert ("compute time: measured beside other work" in result.stdout) == told

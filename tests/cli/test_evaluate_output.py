@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, list_baselines, make_baseline
-from prp_gym.baselines.gains import gain_sets
+from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
 from prp_gym.evaluation import METRICS, evaluate
 from prp_gym.tasks.scenario import SCENARIOS

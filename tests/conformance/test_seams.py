@@ -9,7 +9,7 @@ from gymnasium.wrappers import RescaleAction
 
 import prp_gym
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import gain_sets, load_gains
+from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.envs import PRPEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, UnknownNameError
 from prp_gym.evaluation import record_episode

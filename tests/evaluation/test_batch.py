@@ -10,7 +10,7 @@ from gymnasium.wrappers import FrameStackObservation, RecordEpisodeStatistics, R
 
 from prp_gym import evaluate
 from prp_gym.baselines import BASELINES, make_baseline
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import Rollout, record_episode
 from prp_gym.evaluation.batch import can_batch, record_episodes

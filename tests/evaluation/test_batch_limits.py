@@ -42,6 +42,8 @@ class Recurrent:
     It counts the observations of every episode, each environment apart.
     """
 
+    batched = True
+
     def __init__(self) -> None:
         self.first: list[int] = []
         self.seen: list[tuple[int, ...]] = []

@@ -13,7 +13,7 @@ from prp_gym import evaluate, list_envs
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import METRICS, Evaluation, Rollout, bootstrap_interquartile_mean, record_episode
-from prp_gym.evaluation.evaluate import episodes_to_play
+from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.tasks.scenario import SCENARIOS
 
 Env = gymnasium.Env[Any, Any]
@@ -104,14 +104,14 @@ def test_deterministic_scenario_is_played_once(deterministic: Env) -> None:
     calls: list[int] = []
     evaluation = evaluate(any_law(deterministic), deterministic, 5, 2, lambda: calls.append(1))
     assert [rollout.seed for rollout in evaluation.rollouts] == [2]
-    assert len(calls) == episodes_to_play(deterministic, 5) == 1
+    assert len(calls) == episodes_to_run(deterministic, 5) == 1
     assert evaluation.score.low == evaluation.score.value == evaluation.score.high
 
 
 def test_caller_is_told_of_every_episode(env: Env) -> None:
     calls: list[int] = []
     evaluate(any_law(env), env, episodes=4, seed=0, on_episode=lambda: calls.append(1))
-    assert len(calls) == episodes_to_play(env, 4) == 4
+    assert len(calls) == episodes_to_run(env, 4) == 4
 
 
 def test_metrics_are_stacked_over_the_episodes(env: Env) -> None:

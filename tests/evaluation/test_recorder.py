@@ -76,6 +76,7 @@ def test_every_period_of_the_torques_is_recorded() -> None:
         assert len(rollout.compute_time) >= 1
 
 
+@pytest.mark.usefixtures("late_mode")
 @pytest.mark.parametrize("delay", [0, 1])
 def test_episode_that_diverges_within_a_period_is_recorded_up_to_there(delay: int) -> None:
     scenario = ("randomized", "realistic")[delay]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from prp_gym import list_envs
 from prp_gym.baselines import list_baselines, make_baseline
-from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.errors import InvalidValueError, PolicyOutputError
 from prp_gym.evaluation import record_episode
 from prp_gym.tasks.scenario import SCENARIOS
 
@@ -188,7 +188,7 @@ def test_environment_of_another_suite_is_refused() -> None:
 
 
 def test_action_of_another_shape_is_refused(env: Env) -> None:
-    with pytest.raises(ShapeError):
+    with pytest.raises(PolicyOutputError, match=rf"an action of shape \({joints(env) + 1},\)"):
         record_episode(Scripted(np.zeros(joints(env) + 1)), env, seed=0)
 
 

@@ -1,4 +1,4 @@
-"""The table for the terminal: what a cell says, and that 120 columns hold all of it for every task."""
+"""The table for the terminal: content of its cells, and a width of at most 120 columns for every task."""
 
 import json
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Files of finished pairs: reused by what made them alone, and never believed when damaged."""
+"""Files of finished jobs: reused by the code that made them alone, and never when damaged."""
 
 import json
 import os
@@ -11,12 +11,16 @@ from typing import Any, NoReturn
 
 import pytest
 
-from prp_gym.runs import store as finished_pairs
-from prp_gym.runs.job import EvaluationJob, running_code
+from prp_gym.runs import store
+from prp_gym.runs.choice import ControllerChoice, GainsChoice
+from prp_gym.runs.code import running_code
+from prp_gym.runs.evaluation_job import EvaluationJob
 from prp_gym.runs.store import JobStore
 
-PAIR = EvaluationJob("PRP-JointTracking-v0", "randomized", "joint_pd", "tuned_50hz", 50.0, 2, 7)
-OTHER = replace(PAIR, controller="adaptive")
+SLOW = GainsChoice("tuned_50hz")
+CONTROLLER = ControllerChoice("joint_pd", gains=SLOW)
+JOB = EvaluationJob("PRP-JointTracking-v0", "randomized", CONTROLLER, 50.0, 2, 7)
+OTHER = replace(JOB, controller=ControllerChoice("adaptive", gains=SLOW))
 RECORD = {"score": {"value": 1 / 3, "low": 0.1, "high": 0.5}, "median": {"settling_time": ["inf", None]}}
 
 
@@ -26,18 +30,20 @@ def only_file(folder: Path) -> Path:
 
 
 def test_kept_record_is_found_again_as_it_was(tmp_path: Path) -> None:
-    JobStore(tmp_path / "pairs").keep(PAIR, RECORD)
-    assert JobStore(tmp_path / "pairs").find([PAIR, OTHER]) == ({PAIR: RECORD}, [])
-    assert only_file(tmp_path / "pairs").name == "PRP-JointTracking-v0_randomized_joint_pd.json"
+    JobStore(tmp_path / "jobs").keep(JOB, RECORD)
+    assert JobStore(tmp_path / "jobs").find([JOB, OTHER]) == ({JOB: RECORD}, [])
+    assert only_file(tmp_path / "jobs").name == "PRP-JointTracking-v0_randomized_joint_pd.json"
 
 
 def test_nothing_is_found_where_nothing_is(tmp_path: Path) -> None:
-    assert JobStore(tmp_path / "pairs").find([PAIR]) == ({}, [])
+    assert JobStore(tmp_path / "jobs").find([JOB]) == ({}, [])
     assert list(tmp_path.iterdir()) == []
 
 
 CHANGES: list[dict[str, Any]] = [
-    {"gains": "report"},
+    {"controller": replace(CONTROLLER, gains=GainsChoice("report"))},
+    {"controller": replace(CONTROLLER, gains=replace(SLOW, settings=(("stiffness", "200"),)))},
+    {"controller": replace(CONTROLLER, gains=replace(SLOW, toml="stiffness = 200"))},
     {"control_frequency": 100.0},
     {"episodes": 3},
     {"seed": 8},
@@ -47,19 +53,19 @@ CHANGES: list[dict[str, Any]] = [
 @pytest.mark.parametrize("change", CHANGES, ids=str)
 def test_record_of_other_settings_is_not_reused(tmp_path: Path, change: dict[str, Any]) -> None:
     finished = JobStore(tmp_path)
-    finished.keep(PAIR, RECORD)
-    assert finished.find([replace(PAIR, **change)]) == ({}, [only_file(tmp_path)])
+    finished.keep(JOB, RECORD)
+    assert finished.find([replace(JOB, **change)]) == ({}, [only_file(tmp_path)])
 
 
-STRANGERS = [OTHER, replace(PAIR, scenario="report"), replace(PAIR, environment_id="PRP-Adaptive-v0")]
+OTHERS = [OTHER, replace(JOB, scenario="report"), replace(JOB, environment_id="PRP-Adaptive-v0")]
 
 
-@pytest.mark.parametrize("stranger", STRANGERS, ids=str)
-def test_file_under_another_pairs_name_is_not_reused(tmp_path: Path, stranger: EvaluationJob) -> None:
+@pytest.mark.parametrize("other", OTHERS, ids=str)
+def test_file_under_another_jobs_name_is_not_reused(tmp_path: Path, other: EvaluationJob) -> None:
     finished = JobStore(tmp_path)
-    finished.keep(stranger, RECORD)
-    path = only_file(tmp_path).rename(tmp_path / f"{PAIR.name}.json")
-    assert finished.find([PAIR]) == ({}, [path])
+    finished.keep(other, RECORD)
+    path = only_file(tmp_path).rename(tmp_path / f"{JOB.name}.json")
+    assert finished.find([JOB]) == ({}, [path])
 
 
 @pytest.mark.parametrize("change", [{"sources": "0" * 64}, {"numpy": "1"}], ids=str)
@@ -68,10 +74,10 @@ def test_record_of_other_code_or_versions_is_not_reused(
 ) -> None:
     finished = JobStore(tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr(finished_pairs, "running_code", lambda: running_code() | change)
-        finished.keep(PAIR, RECORD)
-        assert finished.find([PAIR]) == ({PAIR: RECORD}, [])
-    assert finished.find([PAIR]) == ({}, [only_file(tmp_path)])
+        patch.setattr(store, "running_code", lambda: running_code() | change)
+        finished.keep(JOB, RECORD)
+        assert finished.find([JOB]) == ({JOB: RECORD}, [])
+    assert finished.find([JOB]) == ({}, [only_file(tmp_path)])
 
 
 def other_number(text: bytes) -> bytes:
@@ -99,23 +105,23 @@ DAMAGES: dict[str, Callable[[bytes], bytes]] = {
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_damaged_or_foreign_file_is_not_reused(tmp_path: Path, damage: str) -> None:
     finished = JobStore(tmp_path)
-    finished.keep(PAIR, RECORD)
+    finished.keep(JOB, RECORD)
     path = only_file(tmp_path)
     path.write_bytes(DAMAGES[damage](path.read_bytes()))
-    assert finished.find([PAIR]) == ({}, [path])
-    finished.keep(PAIR, RECORD)
-    assert finished.find([PAIR]) == ({PAIR: RECORD}, [])
+    assert finished.find([JOB]) == ({}, [path])
+    finished.keep(JOB, RECORD)
+    assert finished.find([JOB]) == ({JOB: RECORD}, [])
 
 
 def test_folder_in_the_place_of_a_file_is_not_reused(tmp_path: Path) -> None:
-    place = tmp_path / f"{PAIR.name}.json"
+    place = tmp_path / f"{JOB.name}.json"
     place.mkdir()
-    assert JobStore(tmp_path).find([PAIR]) == ({}, [place])
+    assert JobStore(tmp_path).find([JOB]) == ({}, [place])
 
 
 def half_written(folder: Path, process: int) -> Path:
-    """What a process leaves of the first pair's file when it is killed as it writes."""
-    path = folder / f".{PAIR.name}.json.{process}.part"
+    """What a process leaves of the first job's file when it is killed as it writes."""
+    path = folder / f".{JOB.name}.json.{process}.part"
     path.write_text("{")
     return path
 
@@ -130,19 +136,19 @@ def dead_process() -> int:
 def test_files_are_removed_with_what_a_kill_left_half_written(
     tmp_path: Path, process: Callable[[], int]
 ) -> None:
-    finished = JobStore(tmp_path / "pairs")
-    for pair in (PAIR, OTHER):
-        finished.keep(pair, RECORD)
-    half_written(tmp_path / "pairs", process())
-    finished.remove([PAIR])
-    assert only_file(tmp_path / "pairs").stem == OTHER.name
-    finished.remove([PAIR, OTHER])
+    finished = JobStore(tmp_path / "jobs")
+    for job in (JOB, OTHER):
+        finished.keep(job, RECORD)
+    half_written(tmp_path / "jobs", process())
+    finished.remove([JOB])
+    assert only_file(tmp_path / "jobs").stem == OTHER.name
+    finished.remove([JOB, OTHER])
     assert list(tmp_path.iterdir()) == []
 
 
 def test_what_another_run_is_writing_stays(tmp_path: Path) -> None:
     part = half_written(tmp_path, os.getppid())
-    JobStore(tmp_path).remove([PAIR])
+    JobStore(tmp_path).remove([JOB])
     assert only_file(tmp_path) == part
 
 
@@ -154,7 +160,7 @@ def test_what_somebody_elses_process_is_writing_stays(
 
     part = half_written(tmp_path, os.getppid())
     monkeypatch.setattr(os, "kill", forbid)
-    JobStore(tmp_path).remove([PAIR])
+    JobStore(tmp_path).remove([JOB])
     assert only_file(tmp_path) == part
 
 
@@ -165,19 +171,19 @@ def test_file_that_another_run_removes_at_the_same_time_is_no_error(
         path.unlink()
         return True
 
-    finished = JobStore(tmp_path / "pairs")
-    finished.keep(PAIR, RECORD)
+    finished = JobStore(tmp_path / "jobs")
+    finished.keep(JOB, RECORD)
     monkeypatch.setattr(Path, "is_file", take)
-    finished.remove([PAIR])
+    finished.remove([JOB])
     monkeypatch.undo()
-    finished.remove([PAIR])  # the folder, too, is gone
+    finished.remove([JOB])  # the folder, too, is gone
     assert list(tmp_path.iterdir()) == []
 
 
 def test_what_is_somebody_elses_stays(tmp_path: Path) -> None:
-    finished = JobStore(tmp_path / "pairs")
-    finished.keep(PAIR, RECORD)
-    mine = tmp_path / "pairs" / "mine.json"
+    finished = JobStore(tmp_path / "jobs")
+    finished.keep(JOB, RECORD)
+    mine = tmp_path / "jobs" / "mine.json"
     mine.write_text("mine")
-    finished.remove([PAIR])
-    assert only_file(tmp_path / "pairs") == mine
+    finished.remove([JOB])
+    assert only_file(tmp_path / "jobs") == mine

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.baselines import BASELINES, Baseline
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.robot import NOMINAL, PRPArm
 from tests.support.contact_plant import LIMIT, Imperfection, Recording, Wall, interface
 from tests.support.pinocchio_model import PinocchioArm, per_row, random_states
@@ -24,7 +24,8 @@ def controller(
     values = load_gains(name, gains, "PRP-Force-v0")
     numbers = {key: values[key] for key in values if key not in ("source", "minimum_frequency")}
     made = BASELINES[name]
-    return made(interface(period, limit), made.settings_class.from_mapping(name, {**numbers, **overrides}))
+    settings = made.settings_class.from_mapping(name, {**numbers, **overrides})
+    return made.policy(interface(period, limit), settings)
 
 
 @dataclass(frozen=True, eq=False)

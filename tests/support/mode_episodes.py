@@ -7,11 +7,12 @@ import gymnasium
 import numpy as np
 
 import prp_gym
-from prp_gym.action_modes import list_action_modes
-from prp_gym.action_modes.catalogue import MODES, RESIDUAL
+from prp_gym.action_modes import ACTION_MODES, list_action_modes
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.robot.arrays import Array
+
+RESIDUAL = "residual:"
 
 # one for every kind of world and reference: pose with force, joints, one link; and random draws of all
 _PLACES = (
@@ -37,8 +38,8 @@ def modes_of(environment_id: str) -> tuple[str, ...]:
 
 
 def law_of(mode: str) -> str:
-    """The law that a mode runs."""
-    return mode.removeprefix(RESIDUAL) if mode.startswith(RESIDUAL) else MODES[mode].controller
+    """The controller that a mode runs."""
+    return mode.removeprefix(RESIDUAL) if mode.startswith(RESIDUAL) else ACTION_MODES[mode].entry.controller
 
 
 def _one_place_each() -> list[tuple[str, str]]:

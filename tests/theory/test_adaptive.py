@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 import prp_gym
-from prp_gym.baselines import Adaptive
+from prp_gym.baselines import AdaptiveController
 from prp_gym.evaluation import record_episode
 from prp_gym.robot import NOMINAL, PRPArm
 
@@ -46,7 +46,7 @@ def same_feedback() -> dict[str, Any]:
     """Gains of `joint_inverse_dynamics` that feed back as the tuned adaptive law does."""
     with closing(gymnasium.make(TRACKING)) as env:
         controller = prp_gym.make_baseline("adaptive", env)
-    assert isinstance(controller, Adaptive)
+    assert isinstance(controller, AdaptiveController)
     damping = controller.settings.damping_gain / np.diagonal(PRPArm().inertia_matrix(CENTER))
     gain = controller.settings.reference_gain
     return {"proportional_gain": gain * damping, "derivative_gain": gain + damping}

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import prp_gym
 from prp_gym.baselines import BASELINES
-from prp_gym.baselines.gains import load_gains
+from prp_gym.baselines.base.gains import load_gains
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.response import root_mean_square_error
 from prp_gym.evaluation.rollout import Rollout

@@ -14,6 +14,8 @@ from prp_gym.tuning import Episodes
 class Scripted:
     """A policy with zero torque, but for rows and times at which it does something bad."""
 
+    batched = True
+
     def __init__(self, bad: dict[int, int], action: float) -> None:
         self.bad, self.action, self.calls = bad, action, 0
 
@@ -31,19 +33,19 @@ class Scripted:
 def test_rest_of_an_episode_with_an_action_that_is_not_finite_scores_nothing() -> None:
     env = gymnasium.make("PRP-Compliance-v0", duration=20 / 500.0)
     episodes = Episodes(env, range(3))
-    good, bad = episodes.play(Scripted({}, 0.0)), episodes.play(Scripted({1: 5, 2: 0}, math.nan))
+    good, bad = episodes.run(Scripted({}, 0.0)), episodes.run(Scripted({1: 5, 2: 0}, math.nan))
     assert good.steps == 60
     assert bad.steps == 20 + 5 + 0
     assert bad.scores[0] == good.scores[0]
     assert 0.0 < bad.scores[1] < good.scores[1]
     assert bad.scores[2] == 0.0
-    assert episodes.play(Scripted({}, 0.0)).scores.tolist() == good.scores.tolist()  # nothing is left behind
+    assert episodes.run(Scripted({}, 0.0)).scores.tolist() == good.scores.tolist()  # nothing is left behind
 
 
 def test_divergence_ends_an_episode_and_its_steps() -> None:
     with closing(gymnasium.make("PRP-Adaptive-v0", duration=10.0, torque_limit=1e4)) as env:
         episodes = Episodes(env, range(2))
-        scores, steps = episodes.play(Full())
+        scores, steps = episodes.run(Full())
         expected = evaluate(Full(), env, 2, 0)
     assert [rollout.diverged for rollout in expected.rollouts] == [True, True]
     assert steps == sum(len(rollout.reward) for rollout in expected.rollouts) < 1000
@@ -53,6 +55,8 @@ def test_divergence_ends_an_episode_and_its_steps() -> None:
 
 class Full:
     """Full torque."""
+
+    batched = True
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True

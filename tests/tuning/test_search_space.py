@@ -2,16 +2,18 @@
 
 from collections.abc import Iterator
 from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 
+import prp_gym
 from prp_gym import list_envs
-from prp_gym.baselines import BASELINES, Baseline, list_baselines, make_baseline
-from prp_gym.baselines.gains import load_gains
-from prp_gym.errors import UnknownNameError
+from prp_gym.baselines import BASELINES, ControllerData, list_baselines, load_gains, make_baseline
+from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.tuning import SearchSpace, TuningTask, search_space, start_gains
 
 ENVIRONMENTS: dict[str, Any] = {name: gymnasium.make(name, duration=0.02) for name in list_envs()}
@@ -24,7 +26,8 @@ ROUNDING = 1e-12  # relative: a few products and powers in double precision
 
 
 def space_of(controller: str, environment_id: str) -> SearchSpace:
-    return SearchSpace.of(make_baseline(controller, ENVIRONMENTS[environment_id]))
+    policy = make_baseline(controller, ENVIRONMENTS[environment_id])
+    return SearchSpace.of(BASELINES[controller], policy.settings)
 
 
 def corners(space: SearchSpace) -> Iterator[dict[str, float]]:
@@ -152,8 +155,55 @@ def test_law_that_does_not_exist_is_refused() -> None:
         search_space(task, ENVIRONMENTS[task.environment_id])
 
 
-def test_law_without_a_search_space_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    policy: Baseline[Any] = make_baseline("joint_pd", ENVIRONMENTS["PRP-JointTracking-v0"])
-    monkeypatch.setattr(type(policy), "name", "new_law")
-    with pytest.raises(UnknownNameError, match="unknown law with a search space 'new_law'"):
-        SearchSpace.of(policy)
+@pytest.mark.parametrize("gain", [2.0, (1.0, 2.0, 3.0)])
+def test_controller_without_a_search_space_has_a_factor_on_each_vector_setting(gain: Any) -> None:
+    @prp_gym.controller
+    def damper(joint_velocity: Any, *, damping: Any = gain, offset: float = 0.5) -> Any:
+        return offset - damping * joint_velocity
+
+    space = SearchSpace.of(damper, make_baseline(damper, ENVIRONMENTS["PRP-JointTracking-v0"]).settings)
+    assert [(item.name, item.low, item.high) for item in space.parameters] == [
+        ("damping", 0.1, 10.0),
+        ("offset", 0.1, 10.0),
+    ]
+    found = space.settings({"damping": 3.0, "offset": 0.1})
+    np.testing.assert_allclose(found["damping"], 3.0 * np.array(gain), rtol=ROUNDING)
+    np.testing.assert_allclose(found["offset"], 0.05, rtol=ROUNDING)
+
+
+def test_settings_that_are_no_vectors_are_left_alone() -> None:
+    spec = replace(BASELINES["operational_inverse_dynamics"], data=ControllerData())
+    policy = make_baseline("operational_inverse_dynamics", ENVIRONMENTS["PRP-PoseTracking-v0"])
+    assert set(SearchSpace.of(spec, policy.settings).start) == {"proportional_gain", "derivative_gain"}
+
+
+@pytest.mark.parametrize(
+    ("row", "what", "value"),
+    [
+        ("range = [0.1, 10.0]", "powers of search parameter 'speed'", None),
+        ("range = [0.1, 10.0]\npowers = {gain = 1}", "powers of search parameter 'speed'", {"gain": 1}),
+        ("powers = {derivative_gain = 1}", "range of search parameter 'speed'", None),
+        ("range = [0.1]\npowers = {derivative_gain = 1}", "range of search parameter 'speed'", [0.1]),
+        ("range = [2, 3]\npowers = {derivative_gain = 1}", "range of search parameter 'speed'", [2, 3]),
+        ("range = [0, 3]\npowers = {derivative_gain = 1}", "range of search parameter 'speed'", [0, 3]),
+        (
+            'of = "pose"\nrange = [0.1, 10.0]\npowers = {derivative_gain = 1}',
+            "components of search parameter 'speed'",
+            ("pose", 3),
+        ),
+        (
+            'of = "joint"\ngroups = ["joint_4"]\nrange = [0.1, 10.0]\npowers = {derivative_gain = 1}',
+            "group of search parameter 'speed'",
+            "joint_4",
+        ),
+    ],
+)
+def test_parameter_that_does_not_fit_the_settings_is_refused(
+    tmp_path: Path, row: str, what: str, value: object
+) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(f"[search.speed]\n{row}\n", encoding="utf-8")
+    policy = make_baseline("joint_pd", ENVIRONMENTS["PRP-JointTracking-v0"])
+    with pytest.raises(InvalidValueError) as caught:
+        SearchSpace.of(replace(BASELINES["joint_pd"], data=ControllerData(file)), policy.settings)
+    assert (caught.value.what, caught.value.value) == (what, value)

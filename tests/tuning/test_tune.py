@@ -18,7 +18,7 @@ import pytest
 from prp_gym.baselines import make_baseline
 from prp_gym.errors import InvalidValueError, MissingPackageError
 from prp_gym.evaluation import evaluate
-from prp_gym.tuning import SearchSpace, StoredStudy, Trial, Tuned, TuningTask, search_space, tune
+from prp_gym.tuning import SearchSpace, StoredStudy, Trial, Tuned, TuningTask, make_candidates, tune
 from prp_gym.tuning.local_step import is_local, local_step, step_length
 from prp_gym.tuning.stored_study import JOURNAL
 
@@ -27,12 +27,13 @@ STEPS, EPISODES = 20, 3
 COST = STEPS * EPISODES
 TASK = TuningTask(ENVIRONMENT, "admittance", "realistic", 500.0, 12 * COST + 7, EPISODES)
 ENV: Any = gymnasium.make(ENVIRONMENT, scenario="realistic", duration=STEPS / 500.0)
-SPACE = search_space(TASK, ENV)
+CANDIDATES = make_candidates(TASK, ENV)
+SPACE: Any = CANDIDATES.space
 KEY = {"made": "up"}
 
 
 def search(folder: Path, task: TuningTask = TASK, resume: bool = False) -> Tuned:
-    return tune(task, ENV, SPACE, StoredStudy(folder, SPACE, KEY, task.seed, resume))
+    return tune(task, ENV, CANDIDATES, StoredStudy(folder, SPACE, KEY, task.seed, resume))
 
 
 def outline(tuned: Tuned) -> list[tuple[Any, ...]]:
@@ -136,7 +137,7 @@ class OneSetting:
 
 def test_candidate_that_the_law_refuses_scores_nothing_and_is_charged_in_full() -> None:
     refused = {**SPACE.start, "frame_inertia_translation": 0.0}  # no mass
-    tuned = tune(TASK, ENV, SPACE, OneSetting(refused))
+    tuned = tune(TASK, ENV, CANDIDATES, OneSetting(refused))
     assert [(trial.score, trial.steps) for trial in tuned.trials] == [(0.0, COST)] * 12
 
 
@@ -235,11 +236,11 @@ def test_step_starts_from_the_best_candidate() -> None:
 CHILD = """
 import sys, time
 from pathlib import Path
-from tests.tuning.test_tune import KEY, SPACE, TASK, ENV, StoredStudy, tune
+from tests.tuning.test_tune import CANDIDATES, KEY, SPACE, TASK, ENV, StoredStudy, tune
 study = StoredStudy(Path(sys.argv[1]), SPACE, KEY, TASK.seed, False)
 def slowly(trial):
     time.sleep(0.05)
-tune(TASK, ENV, SPACE, study, slowly)
+tune(TASK, ENV, CANDIDATES, study, slowly)
 """
 
 
@@ -256,7 +257,7 @@ def test_search_that_was_killed_goes_on_to_the_same_end(tmp_path: Path, whole: T
     assert process.wait() == -signal.SIGKILL
     study = StoredStudy(tmp_path, SPACE, KEY, TASK.seed, True)
     assert 2 <= len(study.trials) < 12
-    tuned = tune(TASK, ENV, SPACE, study)
+    tuned = tune(TASK, ENV, CANDIDATES, study)
     assert outline(tuned) == outline(whole)
     assert tuned.used_steps == whole.used_steps
 

@@ -1,4 +1,4 @@
-"""Files of tuned laws: written, read back strictly, and made into policies."""
+"""Files of tuned controllers: written, read back strictly, and made into policies."""
 
 import json
 from collections.abc import Callable
@@ -10,9 +10,9 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.baselines import make_baseline
+from prp_gym.artifacts import write_json
+from prp_gym.baselines import CONTROLLERS, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.evaluation.results import write_json
 from prp_gym.tuning import TunedController, Validation, list_tuned_controllers, load_tuned_controller
 from prp_gym.tuning import tuned_controller as module
 
@@ -62,9 +62,9 @@ def test_file_reads_back_as_it_was_written(path: Path) -> None:
     assert load_tuned_controller(str(path)).score == 0.6
 
 
-def test_law_is_made_with_the_settings_of_the_file(path: Path) -> None:
+def test_controller_is_made_with_the_settings_of_the_file(path: Path) -> None:
     policy = load_tuned_controller(path).make(ENV)
-    assert policy.name == "force_inner_position"
+    assert type(policy) is CONTROLLERS.find("force_inner_position").policy
     assert policy.settings.bandwidth == 7.3
     np.testing.assert_array_equal(policy.settings.inertia, np.full(6, 1 / 3))
     assert policy.settings.stiffness == "estimated"
@@ -72,9 +72,12 @@ def test_law_is_made_with_the_settings_of_the_file(path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("environment_id", "rate", "what"),
-    [("PRP-ForcePosition-v0", 500, "environment of a tuned law"), (ENVIRONMENT, 100, "control_frequency")],
+    [
+        ("PRP-ForcePosition-v0", 500, "environment of a tuned controller"),
+        (ENVIRONMENT, 100, "control_frequency"),
+    ],
 )
-def test_law_is_made_for_its_environment_and_rate_alone(
+def test_controller_is_made_for_its_environment_and_control_frequency_alone(
     path: Path, environment_id: str, rate: int, what: str
 ) -> None:
     env = gymnasium.make(environment_id, control_frequency=rate)
@@ -92,10 +95,10 @@ REFUSED = {
     "field too many": change("more", 1),
     "text for a number": change("score", "0.6"),
     "null for a number": change("score", None),
-    "truth value for a number": change("trials", True),
+    "boolean for a number": change("trials", True),
     "fraction for a count": change("trials", 1.5),
     "unknown environment": change("environment", "PRP-Nowhere-v0"),
-    "unknown law": change("controller", "joint_pid"),
+    "unknown controller": change("controller", "joint_pid"),
     "unknown scenario": change("scenario", "within_limits"),
     "unknown setting": lambda content: content["settings"].update(gain=1.0),
     "missing setting": lambda content: content["settings"].pop("inertia"),
@@ -108,11 +111,12 @@ REFUSED = {
     "validation without seed": lambda content: content["validation"].pop("seed"),
     "no validation": change("validation", []),
     "versions as a list": change("versions", []),
+    "code as text": change("code", "mine.py"),
 }
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_file_that_is_not_one_of_a_tuned_law_is_refused_with_its_name(path: Path, case: str) -> None:
+def test_file_that_is_not_one_of_a_tuned_controller_is_refused_with_its_name(path: Path, case: str) -> None:
     content = json.loads(path.read_text(encoding="utf-8"))
     REFUSED[case](content)
     path.write_text(json.dumps(content), encoding="utf-8")
@@ -127,13 +131,23 @@ def test_file_that_is_no_json_object_is_refused(path: Path, text: str) -> None:
         load_tuned_controller(path)
 
 
+def test_controller_of_a_users_own_reads_back_and_is_left_to_its_code(tmp_path: Path) -> None:
+    own = {"name": "mine.py:PD", "sha256": "0" * 64}
+    content = {**asdict(CONTROLLER), "controller": "mine.py:PD", "settings": {"gain": 2.0}, "code": own}
+    write_json(tmp_path / "result.json", content)
+    read = load_tuned_controller(tmp_path / "result.json")
+    assert (read.controller, read.settings, read.code) == ("mine.py:PD", {"gain": 2.0}, own)
+    with pytest.raises(InvalidValueError, match="'mine.py:PD'; allowed: a registered controller"):
+        read.make(ENV)
+
+
 def test_name_that_is_neither_shipped_nor_a_file_is_refused(tmp_path: Path) -> None:
     for name in (str(tmp_path / "nothing.json"), str(tmp_path), "PRP-Force-v0/joint_pid"):
-        with pytest.raises(UnknownNameError, match="unknown tuned law "):
+        with pytest.raises(UnknownNameError, match="unknown tuned controller "):
             load_tuned_controller(name)
 
 
-def test_shipped_laws_are_listed_by_environment_and_load_by_name(
+def test_shipped_controllers_are_listed_by_environment_and_load_by_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "equal_budget"
@@ -155,12 +169,12 @@ def test_shipped_laws_are_listed_by_environment_and_load_by_name(
         module._shipped.cache_clear()
 
 
-def test_every_shipped_law_is_what_its_name_says() -> None:
+def test_every_shipped_controller_is_what_its_name_says() -> None:
     for name in list_tuned_controllers():
         controller = load_tuned_controller(name)
         assert f"{controller.environment}/{controller.controller}" == name
         env = gymnasium.make(controller.environment, control_frequency=controller.control_frequency)
-        assert controller.make(env).name == controller.controller
+        assert type(controller.make(env)) is CONTROLLERS.find(controller.controller).policy
         env.close()
         assert controller.score >= controller.score_of_tuned, name
         assert controller.used_steps <= controller.budget_steps, name

@@ -22,6 +22,7 @@ from tests.support.agent_files import (
     card_of,
     checksum,
     refusal,
+    rewrite,
     tensors_of,
 )
 from tests.support.made_up_agents import ID, RUN, layout_of, made_up_policy, observations
@@ -68,6 +69,21 @@ def test_card_holds_digest_and_checksum(saved: Path) -> None:
     assert whole["checksum"] == checksum(whole["card"])
     assert whole["card"]["sha256"] == hashlib.sha256(tensors_of(saved).read_bytes()).hexdigest()
     assert load_agent(saved).card.sha256 == whole["card"]["sha256"]
+
+
+def test_revision_of_the_environment_is_stored(tmp_path: Path) -> None:
+    card = replace(POLICY.card, interface=replace(POLICY.card.interface, environment_revision=3))
+    save_agent(LearnedPolicy(card, POLICY.normalizer, POLICY.network), tmp_path / "agent")
+    whole = json.loads(card_of(tmp_path / "agent").read_text(encoding="utf-8"))
+    assert whole["card"]["interface"]["environment_revision"] == 3
+    assert load_agent(tmp_path / "agent").card.interface.environment_revision == 3
+
+
+def test_card_without_a_revision_is_of_revision_1(saved: Path) -> None:
+    rewrite(saved, lambda card: card["interface"].pop("environment_revision"))
+    loaded = load_agent(saved)
+    assert loaded.card.interface.environment_revision == 1
+    assert_same(loaded, POLICY)
 
 
 def test_agent_that_could_not_be_read_again_is_not_written(tmp_path: Path) -> None:

@@ -159,7 +159,7 @@ def test_state_given_is_left_as_it_is() -> None:
     assert state is not None
     before = [part.copy() for part in state]
     policy.predict(observations(3, 1), state, np.array([True, False, True]))
-    assert all(np.array_equal(*pair) for pair in zip(before, state, strict=True))
+    assert all(np.array_equal(old, new) for old, new in zip(before, state, strict=True))
 
 
 def test_state_of_another_agent_or_number_of_environments_is_refused() -> None:

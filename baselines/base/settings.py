@@ -1,7 +1,7 @@
-"""A law's numbers: declared, checked, and sized for the robot that the law is to move."""
+"""A controller's settings: declared, checked, and sized for the robot that the controller moves."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -28,7 +28,7 @@ class Vector:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Settings:
-    """A law's numbers; subclasses declare them. A vector may be given as one number for all components.
+    """A controller's settings; subclasses declare them. A vector may be one number for all components.
 
     Two settings are equal only if they are the same object.
 
@@ -61,13 +61,18 @@ class Settings:
         """Settings by name.
 
         Raises:
-            UnknownNameError: a name that the law does not have, or a word that is none of a setting's.
-            InvalidValueError: a value that is not allowed.
+            UnknownNameError: a name that the controller does not have, or a word that is none of a setting's.
+            InvalidValueError: a value that is not allowed; no value for a setting without default.
         """
-        names = [entry.name for entry in fields(cls)]
+        entries = fields(cls)
+        names = [entry.name for entry in entries]
         for name in values:
             if name not in names:
-                raise UnknownNameError(f"setting of law {controller!r}", name, names)
+                raise UnknownNameError(f"setting of controller {controller!r}", name, names)
+        missing = [entry.name for entry in entries if entry.default is MISSING and entry.name not in values]
+        if missing:
+            given, needed = ", ".join(sorted(values)) or "none", ", ".join(missing)
+            raise InvalidValueError(f"settings of controller {controller!r}", given, f"also {needed}")
         return cls(**values)
 
     def sized(self, sizes: Mapping[str, int]) -> Self:

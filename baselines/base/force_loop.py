@@ -1,4 +1,4 @@
-"""What the force laws share: an inner position loop whose target the force error moves."""
+"""What the force controllers share: an inner position loop whose target the force error moves."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from prp_gym.baselines.force_integral import (
+from prp_gym.baselines.base.force_integral import (
     STEADY,
     FixedGains,
     ForceError,
@@ -14,17 +14,20 @@ from prp_gym.baselines.force_integral import (
     RateScaling,
     ScheduledGain,
 )
-from prp_gym.baselines.operational import MEASURED_MOTION, OperationalBaseline
-from prp_gym.baselines.policy import ControlInterface, ControllerState, Observed
-from prp_gym.baselines.references import PoseReference
-from prp_gym.baselines.settings import Settings, Vector
-from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
+from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
+from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.references import PoseReference
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot.arrays import Array
+
+FORCE_COMMAND_INPUTS = ("force_offset", "approach_speed_factor", "bandwidth_factor")
+"""The inputs of every force controller that action modes may drive."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForceLoopSettings(Settings):
-    """Numbers of a force law.
+    """Settings of a force controller.
 
     Attributes:
         inertia: M_d (pose), diagonal, above 0 [kg, kg, kg, kg m^2, kg m^2, kg m^2].
@@ -83,13 +86,13 @@ class ForceLoop(OperationalBaseline[SettingsT]):
     """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_r + M_d⁻¹(K_D (ẋ_r - ẋ) + K_P (x_r + x_F - x)).
 
     (x_r, ẋ_r, ẍ_r) is the motion without force error, x_F the displacement that the force error adds. Where
-    nothing asks for a force, none is desired. An actuator at its limit stops x_F. Whoever steers the law may
-    add a `force_offset`, and scale the speed before a touch and the bandwidth in contact by
+    nothing asks for a force, none is desired. An actuator at its limit stops x_F. Action modes may add
+    a `force_offset`, and scale the speed before a touch and the bandwidth in contact by
     `approach_speed_factor` and `bandwidth_factor`.
 
     Args:
-        interface: what the law may know of the environment.
-        settings: the law's numbers.
+        interface: what the controller may know of the environment.
+        settings: of the controller.
     """
 
     measured_fields = (*MEASURED_MOTION, "contact_force")
@@ -109,7 +112,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
         Args:
             observed: fields by name, each (..., size).
-            state: of the law; first the force loop's arrays, then what the law adds.
+            state: of the controller; first the force loop's arrays, then what the subclass adds.
             error: of the force.
         """
 
@@ -134,7 +137,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
 
 def _rate_scaling(observed: Observed) -> RateScaling:
-    """As whoever steers the law sets it."""
+    """The observed factors; 1 where there are none."""
     return RateScaling(
         observed.get("approach_speed_factor", STEADY.approach),
         observed.get("bandwidth_factor", STEADY.bandwidth),

@@ -7,7 +7,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.baselines.stiffness_estimator import StiffnessEstimator
+from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot.arrays import Array
 
 Memory = tuple[Array, ...]
@@ -52,7 +52,7 @@ class ForceError(NamedTuple):
 
 
 class RateScaling(NamedTuple):
-    """By how much whoever steers a law hurries it.
+    """Factors on the rates of a force loop, which an action mode may drive.
 
     Attributes:
         approach: factor (..., 1) of the speed before a touch.
@@ -64,7 +64,7 @@ class RateScaling(NamedTuple):
 
 
 STEADY = RateScaling(np.ones(1), np.ones(1))
-"""Nobody hurries it."""
+"""Rates as the settings give them."""
 
 
 class ForceIntegral(ABC):

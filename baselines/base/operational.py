@@ -1,12 +1,12 @@
-"""What the operational-space laws share: the arm's model, and the measured motion of the end effector."""
+"""What the operational-space controllers share: the arm's model and the end effector's measured motion."""
 
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
-from prp_gym.baselines.policy import Baseline, ControlInterface, Observed, StaticBaseline
-from prp_gym.baselines.references import PoseReference
-from prp_gym.baselines.settings import Settings
+from prp_gym.baselines.base.policy import Baseline, ControlInterface, Observed, StaticBaseline
+from prp_gym.baselines.base.references import PoseReference
+from prp_gym.baselines.base.settings import Settings
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, apply, apply_transposed, solve_least_squares
@@ -41,14 +41,14 @@ class ArmState(NamedTuple):
 
 
 class OperationalBaseline(Baseline[SettingsT]):
-    """A law that controls the pose of the end effector with a model of the arm.
+    """A controller of the pose of the end effector, with a model of the arm.
 
     Args:
-        interface: what the law may know of the environment.
-        settings: the law's numbers.
+        interface: what the controller may know of the environment.
+        settings: of the controller.
 
     Attributes:
-        arm: the model with which the law computes.
+        arm: the model with which the controller computes.
     """
 
     measured_fields: ClassVar[tuple[str, ...]] = MEASURED_MOTION
@@ -143,4 +143,4 @@ class OperationalBaseline(Baseline[SettingsT]):
 
 
 class OperationalStaticBaseline(OperationalBaseline[SettingsT], StaticBaseline[SettingsT]):
-    """An operational-space law that remembers nothing."""
+    """An operational-space controller without a state."""

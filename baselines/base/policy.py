@@ -1,4 +1,4 @@
-"""`Baseline`: a classical control law as a policy with Stable-Baselines3's `predict` protocol."""
+"""`Baseline`: a classical controller as a policy with Stable-Baselines3's `predict` protocol."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.baselines.references import (
+from prp_gym.baselines.base.references import (
     OFFSET_FIELDS,
     REFERENCE_FIELDS,
     JointReferences,
@@ -16,7 +16,7 @@ from prp_gym.baselines.references import (
     PoseReferences,
     References,
 )
-from prp_gym.baselines.settings import Settings
+from prp_gym.baselines.base.settings import Settings
 from prp_gym.errors import InvalidValueError, MissingFieldError
 from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 from prp_gym.robot.arm import PRPArm
@@ -31,7 +31,7 @@ Observed = Mapping[str, Array]
 
 @dataclass(frozen=True, eq=False)
 class ControlInterface:
-    """All that a law may know of an environment, beside what it observes.
+    """All that a controller may know of an environment, beside what it observes.
 
     Attributes:
         environment_id: its id.
@@ -39,7 +39,7 @@ class ControlInterface:
         torque_limit: joint torques at action 1 (joints) [N m, N, N m].
         period: of control [s].
         model: the nominal robot, whatever the plant really is.
-        target_impedance: what the task asks the robot to behave like, by the names of settings: axes (6) of
+        target_impedance: target impedance that the task asks for, by the names of settings: axes (6) of
             `inertia`, `damping` and `stiffness`; empty where it asks for nothing of the kind.
     """
 
@@ -61,17 +61,24 @@ class ControlInterface:
         try:
             task, mode = _attribute(inner, "task"), _attribute(inner, "action_mode")
             if mode != "torque":
-                raise InvalidValueError("action_mode", mode, "'torque': the actions of a law are torques")
-            return cls(
-                environment_id=task.environment_id,
-                layout=_attribute(inner, "observation_layout"),
-                torque_limit=np.asarray(_attribute(inner, "torque_limit")),
-                period=1.0 / _attribute(inner, "control_frequency"),
-                model=task.model,
-                target_impedance=task.target_impedance,
-            )
+                raise InvalidValueError(
+                    "action_mode", mode, "'torque': the actions of a controller are torques"
+                )
+            limit = np.asarray(_attribute(inner, "torque_limit"))
+            return cls.of_task(task, limit, 1.0 / _attribute(inner, "control_frequency"))
         except AttributeError:
             raise InvalidValueError("env", env, "an environment of prp_gym, wrapped or not") from None
+
+    @classmethod
+    def of_task(cls, task: Any, torque_limit: Array, period: float) -> Self:
+        """The interface of a task's environments.
+
+        Args:
+            task: a `Task`.
+            torque_limit: joint torques at action 1 (joints) [N m, N, N m].
+            period: of control [s].
+        """
+        return cls(task.environment_id, task.layout, torque_limit, period, task.model, task.target_impedance)
 
     def model_with(self, parameters: Any) -> Model:
         """The same robot with other parameters, or the nominal one for None.
@@ -98,43 +105,41 @@ SettingsT = TypeVar("SettingsT", bound=Settings)
 
 
 class Baseline(ABC, Generic[SettingsT]):
-    """A control law on one environment, or on many of them at once.
+    """A controller of one environment, or of many of them at once.
 
-    What a law remembers (integrals, estimates) is its state, a tuple of arrays with the leading dimensions of
-    the observations; it lives with the caller, as a recurrent policy's does.
+    The state of a stateful controller (integrals, estimates) is a tuple of arrays with the leading dimensions
+    of the observations; it lives with the caller, as a recurrent policy's does.
 
     Args:
-        interface: what the law may know of the environment.
-        settings: the law's numbers.
+        interface: what the controller may know of the environment.
+        settings: of the controller.
 
     Attributes:
-        name: of the law.
-        summary: one line for listings.
-        measured_fields: of the observation that the law reads beside the reference.
-        settings_class: of its numbers.
-        rendered: settings that `tuned` gains take from what the task asks for, if it does.
+        measured_fields: of the observation that the controller reads beside the reference.
+        settings_class: of its settings.
+        rendered: settings that take the task's target impedance, with gain sets declared to do so.
         integrators: which arrays of the state stand still while an actuator is at its limit.
-        settings: the law's numbers, every vector at its full length.
-        model: the robot with which the law computes.
+        batched: `predict` also takes several observations at once.
+        settings: of the controller, every vector at its full length.
+        model: the robot with which the controller computes.
         references: what is desired, in joint or operational space.
 
     Raises:
-        MissingFieldError: the environment does not observe what the law reads.
+        MissingFieldError: the environment does not observe what the controller reads.
         ShapeError: a setting of another length.
         InvalidValueError: a model of another robot.
     """
 
-    name: ClassVar[str]
-    summary: ClassVar[str]
     measured_fields: ClassVar[tuple[str, ...]]
     settings_class: ClassVar[type[Settings]]
     rendered: ClassVar[tuple[str, ...]] = ()
     integrators: ClassVar[tuple[int, ...]] = ()
+    batched: ClassVar[bool] = True
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
         missing = self.missing_fields(interface.layout)
         if missing:
-            raise MissingFieldError(self.name, missing, interface.layout.names)
+            raise MissingFieldError(type(self).__name__, missing, interface.layout.names)
         self.interface = interface
         self.model = interface.model_with(settings.model)
         parameters = len(self.model.parameter_vector())
@@ -144,7 +149,7 @@ class Baseline(ABC, Generic[SettingsT]):
 
     @classmethod
     def missing_fields(cls, layout: ObservationLayout) -> list[str]:
-        """What the law reads and a layout does not have."""
+        """Fields that the controller reads and a layout does not have."""
         missing = [name for name in cls.measured_fields if name not in layout.names]
         if not any(set(fields) <= set(layout.names) for fields in REFERENCE_FIELDS):
             missing.append(" or ".join(fields[0] for fields in REFERENCE_FIELDS))
@@ -157,13 +162,13 @@ class Baseline(ABC, Generic[SettingsT]):
             observed: fields by name, each (..., size).
 
         Returns:
-            arrays (..., any size); none where the law remembers nothing.
+            arrays (..., any size); none for a controller without a state.
         """
         return ()
 
     @abstractmethod
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
-        """The law.
+        """The control law.
 
         Args:
             observed: fields by name, each (..., size), in the units of their declaration.
@@ -187,15 +192,15 @@ class Baseline(ABC, Generic[SettingsT]):
             observation: (size) or (N, size).
             state: what the last call returned; None at first.
             episode_start: (N) whether an episode starts with this observation; there the state starts anew.
-            deterministic: of no effect: the laws are deterministic.
+            deterministic: of no effect: the controllers are deterministic.
 
         Returns:
-            action (joints) or (N, joints), within [-1, 1], and the state for the next call, None where the
-            law remembers nothing.
+            action (joints) or (N, joints), within [-1, 1], and the state for the next call, None for a
+            controller without a state.
 
         Raises:
             ShapeError: an observation of another size, for instance behind a wrapper that changes it;
-                a state of another law or number of environments; an `episode_start` of another number.
+                a state of another controller or number of environments; an `episode_start` of another number.
             InvalidValueError: an observation that is a dictionary.
         """
         if isinstance(observation, dict):
@@ -230,11 +235,11 @@ class Baseline(ABC, Generic[SettingsT]):
 
 
 class StaticBaseline(Baseline[SettingsT]):
-    """A law that remembers nothing."""
+    """A controller without a state."""
 
     @abstractmethod
     def torque(self, observed: Observed) -> Array:
-        """The law.
+        """The control law.
 
         Args:
             observed: fields by name, each (..., size), in the units of their declaration.

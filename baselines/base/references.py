@@ -1,4 +1,4 @@
-"""What is desired of the arm, in the space in which a law asks for it."""
+"""The reference of the arm, in the space in which a controller asks for it."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ REFERENCE_FIELDS = (
 """The fields of a joint-space and of an operational-space reference; an environment observes one of them."""
 
 OFFSET_FIELDS = ("joint_offset", "pose_offset")
-"""By which whoever steers a law moves its reference, in the space of the law: (joints), and x, y, z, α, β."""
+"""Offsets by which action modes move a reference, in its space: (joints), and x, y, z, α, β."""
 
 
 class JointReference(NamedTuple):

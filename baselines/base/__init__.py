@@ -1,0 +1,1 @@
+"""What controllers are built from: policies, settings, gains, references, declarations."""

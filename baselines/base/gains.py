@@ -1,0 +1,138 @@
+"""The settings that a gain set, a mapping or a file gives a controller on an environment."""
+
+import math
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from prp_gym.baselines.base.spec import ControllerSpec, find_controller, read_toml
+from prp_gym.errors import GainsFileError, InvalidValueError, UnknownNameError
+from prp_gym.tasks.registration import list_envs
+
+Gains = str | Path | Mapping[str, Any]
+"""A set's name, settings by name, or a TOML file of settings by name."""
+
+SOURCE, MINIMUM_FREQUENCY = "source", "minimum_frequency"
+
+
+@dataclass(frozen=True, eq=False)
+class GainSet:
+    """Settings of a controller on one environment.
+
+    Attributes:
+        label: what the settings come from, for messages.
+        values: settings by name.
+        minimum_frequency: of control, below which they are unstable [Hz].
+        file: from which a user gave them; None for others.
+    """
+
+    label: str
+    values: Mapping[str, Any]
+    minimum_frequency: float = 0.0
+    file: Path | None = None
+
+
+def gain_sets(controller: str | ControllerSpec) -> tuple[str, ...]:
+    """Names of a controller's gain sets.
+
+    Raises:
+        UnknownNameError: no such controller.
+    """
+    return find_controller(controller).gain_sets
+
+
+def load_gains(controller: str | ControllerSpec, name: str, environment_id: str) -> dict[str, Any]:
+    """A gain set of a controller on an environment.
+
+    Args:
+        controller: its name or declaration.
+        name: of the set.
+        environment_id: whose own values, where it has some, replace the set's.
+
+    Returns:
+        settings by name, with the set's `source`.
+
+    Raises:
+        UnknownNameError: no such controller or set.
+    """
+    spec = find_controller(controller)
+    if name not in spec.gain_sets:
+        raise UnknownNameError(f"gain set of controller {spec.name!r}", name, spec.gain_sets)
+    return _on(environment_id, spec.data.gains.get(name, {SOURCE: "defaults of the settings"}))
+
+
+def read_gains(controller: ControllerSpec, gains: Gains, environment_id: str) -> GainSet:
+    """The settings that gains of any kind give on an environment.
+
+    Args:
+        controller: its declaration.
+        gains: name of a gain set; a mapping of settings; or a path of a TOML file of settings, a `Path` or a
+            text that ends in `.toml`. Beside settings, a mapping or file may hold a `source`, a
+            `minimum_frequency` [Hz], and by environment id what differs there.
+        environment_id: of the environment.
+
+    Raises:
+        UnknownNameError: no such set; a mapping with a setting or an environment that does not exist.
+        GainsFileError: a file that cannot be read, is not TOML, or names a setting or an environment that
+            does not exist.
+        InvalidValueError: gains of another type; a minimum frequency that is not a number.
+    """
+    if isinstance(gains, Mapping):
+        _require_known(controller, gains)
+        return _gain_set("these gains", gains, environment_id, None)
+    if isinstance(gains, Path) or (isinstance(gains, str) and gains.endswith(".toml")):
+        return _from_file(controller, Path(gains), environment_id)
+    if not isinstance(gains, str):
+        allowed = "a gain set's name, a mapping of settings, or the path of a TOML file"
+        raise InvalidValueError(f"gains of controller {controller.name!r}", gains, allowed)
+    content = load_gains(controller, gains, environment_id)
+    return _gain_set(f"gains {gains!r}", content, environment_id, None)
+
+
+def other_sets(controller: ControllerSpec, gains: Gains) -> str:
+    """The gain sets that might be used instead, for messages."""
+    return ", ".join(name for name in controller.gain_sets if name != gains) or "none"
+
+
+def takes_target_impedance(controller: ControllerSpec, gains: Gains) -> bool:
+    """Whether a task's target impedance replaces the numbers of these gains."""
+    return isinstance(gains, str) and gains in controller.data.target_impedance_sets
+
+
+def _from_file(controller: ControllerSpec, file: Path, environment_id: str) -> GainSet:
+    content = read_toml(file)
+    try:
+        _require_known(controller, content)
+        return _gain_set(f"gains of {str(file)!r}", content, environment_id, file)
+    except (UnknownNameError, InvalidValueError) as error:
+        raise GainsFileError(file, str(error).removesuffix(".")) from error
+
+
+def _require_known(controller: ControllerSpec, content: Mapping[str, Any]) -> None:
+    """Refuse names that are neither settings nor, for a table, environments."""
+    tables = {name: value for name, value in content.items() if isinstance(value, Mapping)}
+    for name in tables:
+        if name not in list_envs():
+            raise UnknownNameError("environment", name, list_envs())
+    known = [entry.name for entry in fields(controller.settings_class)]
+    for name in [*(name for name in content if name not in tables), *(n for t in tables.values() for n in t)]:
+        if name not in (*known, SOURCE, MINIMUM_FREQUENCY):
+            raise UnknownNameError(f"setting of controller {controller.name!r}", name, known)
+
+
+def _gain_set(label: str, content: Mapping[str, Any], environment_id: str, file: Path | None) -> GainSet:
+    values = _on(environment_id, content)
+    values.pop(SOURCE, None)
+    least = values.pop(MINIMUM_FREQUENCY, 0.0)
+    if isinstance(least, bool) or not isinstance(least, (int, float)) or not math.isfinite(least):
+        raise InvalidValueError(MINIMUM_FREQUENCY, least, "a finite number", "Hz")
+    return GainSet(label, values, float(least), file)
+
+
+def _on(environment_id: str, content: Mapping[str, Any]) -> dict[str, Any]:
+    """The common values, with an environment's own in their place where it has some."""
+    own: Mapping[str, Any] = content.get(environment_id, {})
+    common = {key: value for key, value in content.items() if not isinstance(value, Mapping)}
+    return deepcopy({**common, **own})

@@ -1,0 +1,1 @@
+"""The declared action modes, one module for each family of controllers."""

@@ -1,0 +1,56 @@
+"""Which jobs a comparison has."""
+
+from collections.abc import Sequence
+from contextlib import closing
+
+from prp_gym.comparison.agents import AgentFile
+from prp_gym.comparison.jobs import (
+    AgentJob,
+    BudgetJob,
+    ComparisonJob,
+    ControllerJob,
+    ZeroTorqueJob,
+    find_tuned_controllers,
+    list_varied,
+)
+from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.runs.evaluation_job import list_jobs, make_environment
+from prp_gym.runs.selection import Selection
+
+FREQUENCY = 500.0
+"""Control frequency of the controllers [Hz]."""
+
+
+def list_comparison_jobs(
+    selected: Selection, agents: Sequence[AgentFile], episodes: int, seed: int, varied: bool = False
+) -> list[ComparisonJob]:
+    """In each condition the controllers, those tuned at equal budget, the agents, and zero torque.
+
+    Args:
+        selected: conditions and controllers.
+        agents: of all environments.
+        episodes: number of episodes of each job; a deterministic scenario has one.
+        seed: of the first episode.
+        varied: whether every controller is also run with its other gain sets, after all other jobs.
+
+    Raises:
+        PRPError: see `list_jobs` and `find_tuned_controllers`.
+    """
+    jobs: list[ComparisonJob] = []
+    for environment_id, scenario in selected.conditions:
+        own = list_jobs(
+            [(environment_id, scenario)], selected.choices, selected.controllers, FREQUENCY, episodes, seed
+        )
+        jobs += [ControllerJob(**vars(job)) for job in own]
+        with closing(make_environment(environment_id, scenario, FREQUENCY)) as env:
+            count = episodes_to_run(env, episodes)
+        tuned = find_tuned_controllers(environment_id, [job.controller.name for job in own])
+        jobs += [BudgetJob(controller, scenario, count, seed) for controller in tuned]
+        jobs += [
+            AgentJob(item, scenario, count, seed) for item in agents if item.environment_id == environment_id
+        ]
+        jobs.append(ZeroTorqueJob(environment_id, scenario, FREQUENCY, count, seed))
+    if varied:
+        compared = [job for job in jobs if isinstance(job, ControllerJob)]
+        jobs += [item for job in compared for item in list_varied(job, selected.controllers)]
+    return jobs

@@ -1,0 +1,63 @@
+"""A user's class with `predict` as a controller that is made for an environment."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from prp_gym.baselines import ControlInterface
+from prp_gym.errors import UnknownNameError
+from prp_gym.evaluation.rollout import Policy
+
+_POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+_VARIADIC = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+
+
+@dataclass(frozen=True)
+class Predictor:
+    """A class with Stable-Baselines3's `predict`.
+
+    It is constructed with the `ControlInterface` if its constructor has a parameter without a default, else
+    without an argument; parameters with a default are its settings.
+
+    Attributes:
+        name: under which it is listed.
+        kind: the class.
+        revision: of its behaviour.
+    """
+
+    name: str
+    kind: type[Any]
+    revision: int = 1
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """Its settings by name, with the values that they have unless others are given."""
+        return {
+            entry.name: entry.default
+            for entry in inspect.signature(self.kind).parameters.values()
+            if entry.default is not entry.empty and entry.kind not in _VARIADIC
+        }
+
+    def make(self, env: Any, values: Mapping[str, Any]) -> Policy:
+        """The policy for an environment.
+
+        Args:
+            env: an environment of this suite.
+            values: of its settings that differ from the defaults.
+
+        Raises:
+            UnknownNameError: a setting that its constructor does not have.
+        """
+        valid = self.defaults
+        for name in values:
+            if name not in valid:
+                raise UnknownNameError(f"setting of controller {self.name!r}", name, valid)
+        arguments = (ControlInterface.of(env),) if self._takes_interface else ()
+        policy: Policy = self.kind(*arguments, **values)
+        return policy
+
+    @property
+    def _takes_interface(self) -> bool:
+        entries = inspect.signature(self.kind).parameters.values()
+        return any(entry.kind in _POSITIONAL and entry.default is entry.empty for entry in entries)

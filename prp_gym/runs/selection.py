@@ -1,0 +1,117 @@
+"""`Selection`: the environments, scenarios and controllers that a command is asked for, all checked."""
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+from prp_gym.baselines import CONTROLLERS
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.runs.choice import ControllerChoice, GainsChoice
+from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.evaluation_job import EvaluationJob
+from prp_gym.runs.user_code import UserCode
+from prp_gym.tasks.registration import list_envs
+from prp_gym.tasks.scenario import SCENARIOS
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What a command is to evaluate.
+
+    Attributes:
+        conditions: environment ids and scenarios.
+        choices: controllers with their gains.
+        controllers: where these come from.
+        named: names of the controllers that were asked for; empty if all are meant.
+    """
+
+    conditions: tuple[tuple[str, str], ...]
+    choices: tuple[ControllerChoice, ...]
+    controllers: Controllers
+    named: tuple[str, ...]
+
+    @classmethod
+    def of(
+        cls,
+        environments: Sequence[str],
+        scenarios: Sequence[str],
+        controllers: Sequence[str],
+        gains: GainsChoice,
+    ) -> Self:
+        """The selection that options name; without a name all environments or controllers are meant.
+
+        Args:
+            environments: ids.
+            scenarios: names.
+            controllers: names, or code of a user's as `path/to/file.py:Name` or `package.module:Name`.
+            gains: of all controllers; without controllers those that have the gain set are meant.
+
+        Raises:
+            UnknownNameError: a name or gain set that does not exist.
+            InvalidValueError: two controllers under one name; a file that cannot be read.
+            UserCodeError: a user's code that cannot be loaded.
+        """
+        ids = check_names("environment", environments, list_envs())
+        names = [name for name in controllers if ":" not in name]
+        codes = tuple(dict.fromkeys(UserCode.find(name) for name in controllers if ":" in name))
+        _check_labels(codes)
+        if not controllers:
+            names = _with_set(gains)
+        elif names:
+            check_names("baseline", names, list(CONTROLLERS))
+        known = check_names("scenario", scenarios, list(SCENARIOS))
+        choices = [ControllerChoice(name, gains=gains) for name in dict.fromkeys(names)]
+        choices += [ControllerChoice(code.label, code.sha256, gains) for code in codes]
+        conditions = tuple(itertools.product(ids, known))
+        table = Controllers(codes)
+        for choice in choices:
+            table.find(choice)
+        return cls(conditions, tuple(choices), table, tuple(c.name for c in choices) if controllers else ())
+
+    @property
+    def environment_ids(self) -> list[str]:
+        """Ids of the chosen environments."""
+        return list(dict.fromkeys(environment_id for environment_id, _ in self.conditions))
+
+    def check_used(self, jobs: Iterable[object]) -> None:
+        """Refuse a controller that was asked for by name and runs on none of the environments.
+
+        Raises:
+            InvalidValueError: there is one.
+        """
+        used = {job.controller.name for job in jobs if isinstance(job, EvaluationJob)}
+        for name in self.named:
+            if name not in used:
+                allowed = f"a controller that runs on the chosen environments: {sorted(used)}"
+                raise InvalidValueError("baseline", name, allowed)
+
+
+def check_names(kind: str, names: Sequence[str], valid: Sequence[str]) -> list[str]:
+    """The names without repetitions, or all valid ones for none.
+
+    Raises:
+        UnknownNameError: a name that is not valid.
+    """
+    for name in names:
+        if name not in valid:
+            raise UnknownNameError(kind, name, valid)
+    return list(dict.fromkeys(names)) or list(valid)
+
+
+def _with_set(gains: GainsChoice) -> list[str]:
+    """The registered controllers that have a gain set; all of them for a file."""
+    if gains.toml:
+        return list(CONTROLLERS)
+    found = [name for name, spec in CONTROLLERS.items() if gains.name in spec.gain_sets]
+    if not found:
+        known = {item for spec in CONTROLLERS.values() for item in spec.gain_sets}
+        raise UnknownNameError("gain set", gains.name, known)
+    return found
+
+
+def _check_labels(codes: Sequence[UserCode]) -> None:
+    labels = [code.label for code in codes]
+    for label in labels:
+        if labels.count(label) > 1:
+            raise InvalidValueError("baseline", label, "one that no other controller of this command has")

@@ -1,0 +1,44 @@
+"""`Candidates`: the policies that a search tries."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from prp_gym.evaluation.rollout import Policy
+from prp_gym.tuning.search_space import Parameter
+
+
+class Space(Protocol):
+    """The settings that a controller may be given, around those that it has; see `SearchSpace`."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The factors."""
+
+    @property
+    def start(self) -> dict[str, float]:
+        """The factors that give the settings around which the space lies."""
+
+    def settings(self, factors: Mapping[str, float]) -> dict[str, Any]:
+        """The settings that factors give, by name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """The policies that a search tries: one for each choice of the factors of a space.
+
+    Attributes:
+        space: of the settings.
+        make_policy: the policy with some settings; it may refuse them with a `PRPError`.
+    """
+
+    space: Space
+    make_policy: Callable[[Mapping[str, Any]], Policy]
+
+    def make(self, factors: Mapping[str, float]) -> Policy:
+        """The policy with the settings that factors give.
+
+        Raises:
+            PRPError: settings that the controller refuses.
+        """
+        return self.make_policy(self.space.settings(factors))
