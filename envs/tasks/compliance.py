@@ -17,7 +17,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 
     The desired pose lies behind the surface. The reward measures the deviation of the tip from
     x_d - K_P⁻¹h_e, the equilibrium of a spring K_P between x_d and the tip under the present contact force
-    h_e. Scenario `report` starts at home, has the pose of (0 rad, -0.2 m, 0 rad) as its goal, and places the
+    h_e. Scenario `report` starts at home, has the pose of (0 rad, -0.2 m, 0 rad) as its goal, and has the
     surface at y = -0.44 m with its free side at y < -0.44 m.
 
     Source: [R] 11; [S] 9.2.1.

@@ -17,7 +17,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 
     The tip starts off the surface. The reward measures the error of the force along the surface normal and
     the deviation from the initial pose in the other directions. Scenario `report` starts at home, has a
-    desired force of 1 N along +y, and places a surface of 5 N/m at y = -0.44 m; that force brings the slide
+    desired force of 1 N along +y, and a surface of 5 N/m at y = -0.44 m; that force brings the slide
     to its limit, q_2 = -0.3 m.
 
     Source: [R] 14; [S] 9.4.2.
