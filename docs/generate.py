@@ -18,10 +18,10 @@ from docs.tables import NOTE, numbers, table
 from prp_gym.baselines import CONTROLLERS, list_baselines
 from prp_gym.cli.main import app
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
-from prp_gym.envs.base.data import load_scenario
-from prp_gym.registration import ENVIRONMENTS
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tasks.spec import TASKS
 
 _CONTACT_DRAWS = (
     "\n`contact` is the joint position at the first touch (rad, m, rad); the surface lies across the slide's"
@@ -36,7 +36,7 @@ FOLDER = Path(__file__).parent
 def environments_page() -> str:
     """Ids, keywords, scenarios, and a data sheet of every environment."""
     parts = [NOTE, "# Environments\n"]
-    parts.append(table(("id", "task"), ((f"`{entry.id}`", entry.summary) for entry in ENVIRONMENTS)))
+    parts.append(table(("id", "task"), ((f"`{entry.id}`", entry.summary) for entry in TASKS.values())))
     parts.append("\n## Keywords of every environment\n")
     parts.append(_keywords(EnvConfig))
     parts.append("\n## Scenarios\n")
@@ -50,14 +50,14 @@ def environments_page() -> str:
         " over the actuator limits `env.unwrapped.torque_limit` [N·m, N, N·m]. What is beyond ±1 is clipped;"
         " torques that are so are counted in `info`. NaN, infinity and another shape raise an error.\n"
     )
-    for entry in ENVIRONMENTS:
+    for entry in TASKS.values():
         parts.append(_data_sheet(gymnasium.make(entry.id).unwrapped, entry.id))
     return "\n".join(parts)
 
 
 def _layouts() -> list[tuple[str, ObservationLayout]]:
     """What every environment observes, with its id."""
-    made = [(entry.id, gymnasium.make(entry.id)) for entry in ENVIRONMENTS]
+    made = [(entry.id, gymnasium.make(entry.id)) for entry in TASKS.values()]
     return [(name, env.get_wrapper_attr("observation_layout")) for name, env in made]
 
 
@@ -86,9 +86,10 @@ def _vector_keywords() -> str:
 def _data_sheet(env: Any, environment_id: str) -> str:
     if not isinstance(env, PRPEnv):
         raise TypeError(f"{environment_id} is not an environment of this suite")
-    parts = [f"\n## {environment_id}\n", inspect.getdoc(type(env)) or "", ""]
-    if dataclasses.fields(env.options_class):
-        parts += ["### Keywords of its own\n", _keywords(env.options_class)]
+    parts = [f"\n## {environment_id}\n", _sheet_text(env), ""]
+    options = env.task_spec.entry.options
+    if dataclasses.fields(options):
+        parts += ["### Keywords of its own\n", _keywords(options)]
     parts += ["### Observation\n", _observation(env)]
     parts += ["### Reward\n", _reward(env)]
     parts += ["### Info\n"]
@@ -111,6 +112,11 @@ def _data_sheet(env: Any, environment_id: str) -> str:
     modes = ", ".join(f"`{name}`" for name in modes_of(env.observation_layout))
     parts.append(f"Action modes: {modes}.\n")
     return "\n".join(parts)
+
+
+def _sheet_text(env: PRPEnv) -> str:
+    """The data sheet that stands in the docstring of the task's composition."""
+    return inspect.getdoc(env.task_spec.entry.compose) or ""
 
 
 def _constants(prefix: str, values: Mapping[str, Any]) -> list[tuple[str, str]]:

@@ -5,7 +5,7 @@ from prp_gym.comparison.audit import LEAST_CORRELATION
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import METRICS
 from prp_gym.evaluation.scoring import scoring_of
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 _METRIC_HEADERS = ("metric", "unit", "definition", "known as", "better", "requires")
 

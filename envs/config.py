@@ -8,7 +8,7 @@ from typing import Self, TypeVar
 import numpy as np
 
 from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, check_action_mode
-from prp_gym.envs.base.data import load_scenario
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.envs.checks import shaped
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.physics.rendering import check_view

@@ -1,21 +1,19 @@
 """`PRPEnv`: the Gymnasium environment, a loop of one."""
 
-from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.base.data import load_task_numbers
 from prp_gym.envs.checks import as_numbers
-from prp_gym.envs.config import RENDER_MODES, EnvConfig, parse_keywords
+from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.loop import EpisodeLoop
-from prp_gym.envs.loop_environment import EnvState, LoopEnvironment, make_loop
+from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
 from prp_gym.errors import RenderingError, ShapeError
 from prp_gym.physics.rendering import NO_DISPLAY, WindowRenderer, has_display
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.task import NoOptions, Task
+from prp_gym.tasks.spec import TASKS
 
 _ONLY = np.array([0])
 _ONE_VALUE = ((),)  # of a reset option
@@ -25,10 +23,10 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
     """One robot and one task.
 
     Actions are Box(-1, 1, (size,), float32): torques over their limits, or what the `action_mode` makes of
-    them; observations a flat float64 vector that `observation_layout` splits into named fields. Subclasses
-    name their task.
+    them; observations a flat float64 vector that `observation_layout` splits into named fields.
 
     Args:
+        task: Id of a registered task, such as `PRP-Force-v0`.
         keywords: see `EnvConfig`, and the task's own in `options_class`.
 
     Raises:
@@ -36,11 +34,10 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 500}  # noqa: RUF012
-    task_class: ClassVar[type[Task[Any]]]
-    options_class: ClassVar[type] = NoOptions
 
-    def __init__(self, **keywords: object) -> None:
-        self.config, self.options = parse_keywords(keywords, self.options_class)
+    def __init__(self, task: str, **keywords: object) -> None:
+        self.task_spec = TASKS.find(task)
+        self.config, self.options = parse_keywords(keywords, self.task_spec.entry.options)
         modes = [mode for mode in RENDER_MODES if mode != "human" or has_display()]
         self.metadata = {"render_modes": modes, "render_fps": self.render_fps}
         if self.config.render_mode == "human" and not has_display():
@@ -52,15 +49,9 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         self.action_space = self.make_action_space()
         self._action_shape = self.action_space.shape
 
-    @classmethod
-    def make_task(cls, config: EnvConfig, options: Any) -> Task[Any]:
-        """The task; the same for single and vectorised environments."""
-        numbers = load_task_numbers(cls.task_class.environment_id)
-        return cls.task_class(numbers, config.load_scenario(), options, 1.0 / config.control_frequency)
-
     def make_loop(self, num_envs: int = 1, num_threads: int = 1) -> EpisodeLoop:
         """A new loop of environments made with this one's keywords."""
-        return make_loop(partial(self.make_task, options=self.options), self.config, num_envs, num_threads)
+        return self.new_loop(num_envs, num_threads)
 
     @property
     def ground_truth(self) -> Array:

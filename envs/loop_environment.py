@@ -1,5 +1,6 @@
 """What one environment and many together have in common: keywords, task, loop, pictures."""
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -21,9 +22,10 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
 from prp_gym.tasks.fields import ObservationLayout
-from prp_gym.tasks.task import Task
+from prp_gym.tasks.spec import TaskSpec
+from prp_gym.tasks.task import Task, TaskNumbers, TaskSetup
 
-TaskMaker = Callable[[EnvConfig], Task[Any]]
+TaskMaker = Callable[[EnvConfig], Task]
 
 _VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
 
@@ -63,8 +65,19 @@ class LoopEnvironment:
 
     config: EnvConfig
     options: object
+    task_spec: TaskSpec
     _loop: EpisodeLoop
     _renderer: OffscreenRenderer | WindowRenderer | None = None
+
+    def new_loop(self, num_envs: int, num_threads: int) -> EpisodeLoop:
+        """A new loop of N environments made with these keywords."""
+        return make_loop(self.make_task, self.config, num_envs, num_threads)
+
+    def make_task(self, config: EnvConfig) -> Task:
+        """The task at the control frequency of some keywords."""
+        numbers = TaskNumbers.read(self.task_spec.numbers)
+        period = 1.0 / config.control_frequency
+        return Task(self.task_spec, TaskSetup(numbers, config.load_scenario(), self.options, period))
 
     @property
     def loop(self) -> EpisodeLoop:
@@ -82,7 +95,7 @@ class LoopEnvironment:
         return self._loop.physics
 
     @property
-    def task(self) -> Task[Any]:
+    def task(self) -> Task:
         """What is asked of the robot."""
         return self._loop.task
 
@@ -133,6 +146,12 @@ class LoopEnvironment:
     def ground_truth_of(self, index: int) -> Array:
         """What is true of one environment now (size), laid out as `task.ground_truth_layout`."""
         return np.array(self._loop.ground_truth[index])
+
+    @property
+    def truth(self) -> Array:
+        """Deprecated name of `ground_truth`."""
+        warnings.warn("env.truth is now env.ground_truth", DeprecationWarning, stacklevel=2)
+        return np.array(getattr(self, "ground_truth"))  # noqa: B009 (of the subclasses)
 
     def commanded_torque_of(self, index: int) -> Array:
         """Joint torques that the last action of one environment asked for, limited (joints) [N m, N, N m]."""
@@ -246,9 +265,9 @@ class LoopEnvironment:
         """
         if not isinstance(state, EnvState):
             raise InvalidValueError("saved state", type(state).__name__, "what get_state returned here")
-        if type(state.loop.rest["task"]) is not type(self.task):
-            found = type(state.loop.rest["task"]).__name__
-            raise InvalidValueError("saved state's task", found, type(self.task).__name__)
+        found = state.loop.rest["task"].environment_id
+        if found != self.task.environment_id:
+            raise InvalidValueError("saved state's task", found, self.task.environment_id)
         if (replace(state.config, **_VIEW), state.options) != (replace(self.config, **_VIEW), self.options):
             raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
         observation = self._loop.set_state(state.loop)

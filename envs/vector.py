@@ -1,8 +1,8 @@
 """`PRPVectorEnv`: many environments of one task, stepped together on MuJoCo's native threads."""
 
 from collections.abc import Mapping
-from functools import cached_property, partial
-from typing import Any, ClassVar, NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from prp_gym.envs.checks import as_numbers, whole
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.step import Step
-from prp_gym.envs.environment import PRPEnv
 from prp_gym.envs.generators import Generators, Seeds
-from prp_gym.envs.loop_environment import EnvState, LoopEnvironment, make_loop
+from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
 from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
 from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.spec import TASKS
 
 Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
 
@@ -40,6 +40,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
     Up to 128 simulations keep a third of a megabyte each; more of them share what the threads need.
 
     Args:
+        task: Id of a registered task, such as `PRP-Force-v0`.
         num_envs: N.
         num_threads: that step the physics; 0 takes all cores, one for four environments at most.
         autoreset_mode: when an episode that ended begins anew: with the next step (`NextStep`), within the
@@ -56,18 +57,17 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         PRPError: a keyword that does not exist or a value that is not allowed.
     """
 
-    environment_class: ClassVar[type[PRPEnv]]
-
     def __init__(
         self,
+        task: str,
         num_envs: int = 1,
         num_threads: int = 0,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         max_episode_steps: int | None = None,
         **keywords: object,
     ) -> None:
-        kind = self.environment_class
-        self.config, self.options = parse_keywords(keywords, kind.options_class, OWN_KEYWORDS)
+        self.task_spec = TASKS.find(task)
+        self.config, self.options = parse_keywords(keywords, self.task_spec.entry.options, OWN_KEYWORDS)
         if max_episode_steps is not None:
             self.config = self.config.at_most(whole("max_episode_steps", max_episode_steps, 1))
         if self.config.render_mode == "human":
@@ -76,8 +76,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         self.num_envs = whole("num_envs", num_envs, 1)
         threads = parse_threads(num_threads, self.num_envs)
         self._mode = parse_mode(autoreset_mode)
-        make_task = partial(kind.make_task, options=self.options)
-        self._loop = make_loop(make_task, self.config, self.num_envs, threads)
+        self._loop = self.new_loop(self.num_envs, threads)
         self._names = tuple(field.name for field in self._loop.info_fields)
         self.generators = Generators(self.num_envs)
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)

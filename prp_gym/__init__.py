@@ -15,10 +15,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from prp_gym.errors import PRPError
-from prp_gym.registration import list_envs, register_environments
 from prp_gym.robot import PRPArm, RobotParameters
+from prp_gym.tasks.registration import list_envs, register_environments, register_task
 
 if TYPE_CHECKING:
+    from prp_gym.agents.algorithms import register_algorithm
     from prp_gym.agents.policy.agent_file import list_agents, load_agent
     from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
     from prp_gym.baselines.base.function_controller import controller
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from prp_gym.baselines.base.spec import ControllerSpec, register_controller
     from prp_gym.envs.action_mode import ActionModeSpec, register_action_mode
     from prp_gym.evaluation.evaluate import evaluate
+    from prp_gym.evaluation.metrics import register_metric
 
 __version__ = "0.1.0"
 
@@ -45,7 +47,10 @@ __all__ = [
     "make_baseline",
     "make_sb3_vec_env",
     "register_action_mode",
+    "register_algorithm",
     "register_controller",
+    "register_metric",
+    "register_task",
 ]
 
 _IMPORTED_ON_USE = {
@@ -58,6 +63,8 @@ _IMPORTED_ON_USE = {
     "load_agent": "prp_gym.agents.policy.agent_file",
     "make_baseline": "prp_gym.baselines.base.make",
     "make_sb3_vec_env": "prp_gym.agents.sb3.make_vec_env",
+    "register_algorithm": "prp_gym.agents.algorithms",
+    "register_metric": "prp_gym.evaluation.metrics",
     "register_action_mode": "prp_gym.envs.action_mode",
     "register_controller": "prp_gym.baselines.base.spec",
 }

@@ -58,13 +58,13 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
         """
         if not isinstance(spec.name, str) or not _NAME.fullmatch(spec.name):
             allowed = "a letter, then letters, digits, '_', '-' or '.'"
-            raise InvalidValueError(f"name of a {self._kind}", spec.name, allowed)
+            raise InvalidValueError(f"name of {self._kind}", spec.name, allowed)
         if isinstance(spec.revision, bool) or not isinstance(spec.revision, int) or spec.revision < 1:
             allowed = "a whole number, at least 1"
             raise InvalidValueError(f"revision of {self._kind} {spec.name!r}", spec.revision, allowed)
         if self._specs.setdefault(spec.name, spec) != spec:
             allowed = f"one that no other {self._kind} has"
-            raise InvalidValueError(f"name of a {self._kind}", spec.name, allowed)
+            raise InvalidValueError(f"name of {self._kind}", spec.name, allowed)
         return spec
 
     def unregister(self, name: str) -> None:

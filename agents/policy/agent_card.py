@@ -1,9 +1,10 @@
-"""`AgentCard`: all that there is to know of a trained agent but the numbers of its network."""
+"""`AgentCard`: the description of a trained agent, without the weights of its network."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from prp_gym.agents.policy.environments import check_environment
 from prp_gym.agents.policy.features import TrackingFeatures
 from prp_gym.agents.policy.network import ACTIVATIONS, HEADS, NetworkShape
 from prp_gym.envs.config import EnvConfig
@@ -11,24 +12,24 @@ from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.tasks.fields import Field, ObservationLayout
 
 FORMAT = 1
-"""Of the card; a change that older readers would misread raises it."""
+"""Format of the card; a change that older readers would misread raises this number."""
 
 _LARGEST_PART = 10_000
 
 Keyword = str | float | int | bool | None | tuple[float, ...]
-"""A keyword of `gymnasium.make`, as JSON knows it."""
+"""Value of a keyword of `gymnasium.make`, as JSON represents it."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """Of an observation or of an action.
+    """A named part of an observation or of an action.
 
     Attributes:
-        name: of the part.
-        size: number of components.
+        name: name of the part.
+        size: number of components of the part.
 
     Raises:
-        InvalidValueError: no component, or absurdly many.
+        InvalidValueError: no component, or too many.
     """
 
     name: str
@@ -41,14 +42,19 @@ class Part:
 
 @dataclass(frozen=True)
 class Interface:
-    """Between what and what the agent stands.
+    """The environment in which an agent was trained, and the agent's inputs and outputs.
 
     Attributes:
-        environment_id: for `gymnasium.make`, with its version.
-        keywords: of the environment in which it was trained.
+        environment_id: id for `gymnasium.make`, with its version.
+        keywords: keywords of the environment.
         observation: fields of the observation, in order.
-        features: parts of what the network is given, in order.
-        action: its parts, in order; none where they are not known.
+        features: names of the parts of the network's input, in order.
+        action: parts of an action, in order; empty where they are not known.
+        environment_revision: revision of the environment's behaviour; 1 for a card without this key.
+
+    Raises:
+        UnknownNameError: an environment that is not registered, or a keyword that it does not declare.
+        InvalidValueError: a revision below 1.
     """
 
     environment_id: str
@@ -56,9 +62,16 @@ class Interface:
     observation: tuple[Part, ...]
     features: tuple[str, ...]
     action: tuple[Part, ...]
+    environment_revision: int = 1
+
+    def __post_init__(self) -> None:
+        check_environment(self.environment_id, self.keywords)
+        if self.environment_revision < 1:
+            allowed = "a whole number, at least 1"
+            raise InvalidValueError("environment_revision", self.environment_revision, allowed)
 
     def make_layout(self) -> ObservationLayout:
-        """The observation's layout, with names and sizes alone."""
+        """Layout of the observation, with names and sizes of the fields only."""
         return ObservationLayout(
             [
                 Field.symmetric(part.name, ("",) * part.size, "", (0.0,) * part.size, "")
@@ -69,13 +82,13 @@ class Interface:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """A held-out evaluation during training.
+    """An evaluation on held-out episodes during training.
 
     Attributes:
-        steps: taken so far in all environments together.
-        seconds: since training began [s].
-        score: mean over the held-out episodes of return/duration.
-        violations: of limits in training so far, by their kinds.
+        steps: number of training steps so far, summed over the parallel environments.
+        seconds: wall-clock time since training began [s].
+        score: mean of return/duration over the held-out episodes.
+        violations: number of violated limits in training so far, by the kind of limit.
     """
 
     steps: int
@@ -86,14 +99,14 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class Score:
-    """Of an evaluation after training.
+    """Score of an evaluation after training.
 
     Attributes:
-        value: interquartile mean over episodes of return/duration.
-        low: lower end of its interval.
-        high: upper end of its interval.
-        episodes: that were played.
-        seed: of the first one.
+        value: interquartile mean of return/duration over the episodes.
+        low: lower end of the 95 % confidence interval of the mean.
+        high: upper end of the 95 % confidence interval of the mean.
+        episodes: number of evaluation episodes.
+        seed: seed of the first episode.
     """
 
     value: float
@@ -105,15 +118,15 @@ class Score:
 
 @dataclass(frozen=True)
 class Run:
-    """The training.
+    """The record of a training.
 
     Attributes:
-        command: that repeats it.
-        seed: of the training.
-        steps: taken in all environments together until the network was as it is.
-        seconds: that they took [s].
-        hyperparameters: of the algorithm, as JSON knows them.
-        curve: held-out evaluations, in order.
+        command: command line that repeats the training.
+        seed: training seed.
+        steps: number of training steps, summed over the parallel environments, when the network was stored.
+        seconds: wall-clock time of these steps [s].
+        hyperparameters: recipe of the training, as JSON represents it.
+        curve: evaluations on held-out episodes, in order.
     """
 
     command: str
@@ -126,21 +139,21 @@ class Run:
 
 @dataclass(frozen=True)
 class AgentCard:
-    """What a trained agent is, and how it came about.
+    """The description of a trained agent.
 
     Attributes:
         interface: environment, observation, features and action.
-        algorithm: that trained it, by its class's name.
-        network: its shape.
-        run: the training.
-        scores: after training, by scenario.
-        versions: of Python and of the packages that trained it.
-        sha256: of the file with the network's numbers.
+        algorithm: name of the class of the algorithm that trained the agent.
+        network: sizes, activation and head of the network.
+        run: record of the training.
+        scores: scores after training, by scenario.
+        versions: versions of Python and of the packages used in training.
+        sha256: SHA-256 of the file with the network's weights.
 
     Raises:
         UnknownNameError: an activation, head or part of the features that does not exist.
-        ShapeError: a network of other inputs than the features, or of other outputs than the action.
-        InvalidValueError: a layer without units; a part without components, or a name given twice.
+        ShapeError: a network with other inputs than the features, or with other outputs than the action.
+        InvalidValueError: a layer without units; a part without components, or two parts of the same name.
     """
 
     interface: Interface
@@ -170,22 +183,22 @@ class AgentCard:
 
     @property
     def environment_id(self) -> str:
-        """Of the environment in which the agent was trained."""
+        """Id of the environment in which the agent was trained."""
         return self.interface.environment_id
 
     @property
     def action_size(self) -> int:
-        """Components of an action."""
+        """Number of components of an action."""
         return self.network.outputs
 
     @property
     def action_mode(self) -> str:
-        """What its actions mean."""
+        """Name of the action mode, which says what the agent's actions mean."""
         return str(self.interface.keywords.get("action_mode", EnvConfig.action_mode))
 
     @property
     def control_frequency(self) -> float:
-        """Of its actions [Hz]."""
+        """Control frequency of the environment in which the agent was trained [Hz]."""
         frequency = self.interface.keywords.get("control_frequency", EnvConfig.control_frequency)
         if not isinstance(frequency, int | float):
             raise InvalidValueError("control_frequency of the agent", frequency, "a number", "Hz")
@@ -193,23 +206,23 @@ class AgentCard:
 
     @property
     def steps(self) -> int:
-        """Of the whole training, also those after the network was as it is."""
+        """Number of steps of the whole training, including those after the network was stored."""
         return self.run.curve[-1].steps if self.run.curve else self.run.steps
 
     @property
     def seed(self) -> int:
-        """Of the training."""
+        """Training seed."""
         return self.run.seed
 
 
 class PlainFeatures:
-    """The observation as it is.
+    """Features that are the observation itself.
 
     Args:
-        layout: of the observation.
+        layout: layout of the observation.
 
     Attributes:
-        names: of the features' parts, in order.
+        names: names of the parts of the features, in order.
         size: number of features.
     """
 
@@ -223,10 +236,13 @@ class PlainFeatures:
 
 
 def make_features(interface: Interface) -> TrackingFeatures | PlainFeatures:
-    """What makes the network's features of an observation.
+    """The function that computes the network's input from an observation.
+
+    Args:
+        interface: interface of the agent.
 
     Raises:
-        UnknownNameError: parts that neither the observation alone nor `TrackingFeatures` consists of.
+        UnknownNameError: parts other than those of the observation or of `TrackingFeatures`.
     """
     layout = interface.make_layout()
     for features in (TrackingFeatures(layout), PlainFeatures(layout)):

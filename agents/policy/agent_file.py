@@ -10,7 +10,7 @@ from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, UnknownNameError
 from prp_gym.evaluation.results import write_file
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"
 """The agents that come with the package."""

@@ -1,10 +1,10 @@
-"""JSON as values of dataclasses: every key there and none beside, each of its type, numbers finite."""
+"""Strict reading of JSON as dataclasses: no unknown key, none missing without a default, numbers finite."""
 
 import json
 import math
 import types
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -16,14 +16,14 @@ ValueT = TypeVar("ValueT")
 
 
 def parse_json(path: Path, content: bytes) -> Any:
-    """What a JSON file holds.
+    """The value that a JSON file holds.
 
     Args:
-        path: of the file, for messages.
-        content: of the file.
+        path: path of the file, for messages.
+        content: content of the file.
 
     Raises:
-        AgentFileError: not JSON; a key given twice; NaN or infinity, which JSON does not know.
+        AgentFileError: the content is not JSON, has a key twice, or has NaN or infinity.
     """
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -45,38 +45,46 @@ def parse_json(path: Path, content: bytes) -> Any:
 
 
 class StrictReader:
-    """Reads plain JSON values as the types of dataclasses say.
+    """Reader of plain JSON values as dataclasses with the declared types.
 
     Args:
-        path: of the file, for messages.
+        path: path of the file, for messages.
     """
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def read(self, kind: type[ValueT], plain: Any, key: str) -> ValueT:
-        """A value of a dataclass.
+        """An instance of a dataclass; a key may be missing where its field has a default.
 
         Args:
-            kind: the dataclass.
-            plain: as JSON gives it.
-            key: where it stands in the file.
+            kind: dataclass of the value.
+            plain: value as JSON represents it.
+            key: position of the value in the file, for messages.
 
         Raises:
-            AgentFileError: a key missing or unknown, a value of another type or not allowed.
+            AgentFileError: a missing or unknown key, a value of another type, or one that is not allowed.
         """
         value: ValueT = self._object(kind, plain, key)
         return value
 
-    def members(self, plain: Any, key: str, names: set[str]) -> dict[str, Any]:
-        """An object with these keys and no others.
+    def members(
+        self, plain: Any, key: str, names: set[str], optional: frozenset[str] = frozenset()
+    ) -> dict[str, Any]:
+        """The members of a JSON object with the given keys and no others.
+
+        Args:
+            plain: value as JSON represents it.
+            key: position of the value in the file, for messages.
+            names: all keys that the object may have.
+            optional: those of the keys that may be missing.
 
         Raises:
-            AgentFileError: not an object, or one of other keys.
+            AgentFileError: the value is not an object, or has other keys.
         """
         if not isinstance(plain, dict):
             raise self._refusal(key, plain, "an object")
-        for name in sorted(plain.keys() ^ names):
+        for name in sorted((plain.keys() ^ names) - optional):
             fault = "is missing" if name in names else "is unknown"
             raise AgentFileError(self._path, f"key {_join(key, name)!r} {fault}")
         return plain
@@ -84,8 +92,9 @@ class StrictReader:
     def _object(self, kind: Any, plain: Any, key: str) -> Any:
         kinds = get_type_hints(kind)
         names = [field.name for field in fields(kind)]
-        plain = self.members(plain, key, set(names))
-        values = {name: self._value(kinds[name], plain[name], _join(key, name)) for name in names}
+        plain = self.members(plain, key, set(names), _names_with_default(kind))
+        given = [name for name in names if name in plain]
+        values = {name: self._value(kinds[name], plain[name], _join(key, name)) for name in given}
         try:
             return kind(**values)
         except PRPError as error:
@@ -109,7 +118,7 @@ class StrictReader:
         return self._scalar(kind, plain, key)
 
     def _one_of(self, kinds: tuple[Any, ...], plain: Any, key: str) -> Any:
-        """The value as the first of several types that fits."""
+        """The value, read as the first of several types that it has."""
         for kind in kinds:
             wanted = list if get_origin(kind) is tuple else kind
             if type(plain) is wanted:
@@ -130,6 +139,11 @@ class StrictReader:
         shown = repr(plain)
         shown = shown if len(shown) <= 80 else f"{shown[:77]}..."
         return AgentFileError(self._path, f"key {key!r} is {shown}; expected {expected}")
+
+
+def _names_with_default(kind: Any) -> frozenset[str]:
+    """Names of a dataclass's fields that have a default value."""
+    return frozenset(field.name for field in fields(kind) if field.default is not MISSING)
 
 
 def _join(key: str, name: str) -> str:

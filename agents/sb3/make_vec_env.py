@@ -4,17 +4,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
 import gymnasium
-from gymnasium.envs.registration import load_env_creator
 from gymnasium.vector import AutoresetMode
 
+from prp_gym.agents.sb3.packages import require
 from prp_gym.envs.vector import PRPVectorEnv
-from prp_gym.errors import InvalidValueError, MissingPackageError
+from prp_gym.errors import InvalidValueError
+from prp_gym.tasks.spec import TASKS
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
 
-_SETTLED = ("autoreset_mode", "num_envs", "vector_kwargs", "vectorization_mode", "wrappers")
-"""Keywords of `gymnasium.make_vec` that Stable-Baselines3's interface leaves no choice about."""
+_FIXED = ("autoreset_mode", "num_envs", "vector_kwargs", "vectorization_mode", "wrappers")
+"""Keywords of `gymnasium.make_vec` that Stable-Baselines3's interface fixes."""
 
 
 def make_sb3_vec_env(
@@ -22,31 +23,30 @@ def make_sb3_vec_env(
 ) -> "VecEnv":
     """Environments stepped together on MuJoCo's native threads, for Stable-Baselines3's algorithms.
 
-    To take in place of its `make_vec_env`; episode statistics are those of its `VecMonitor`.
+    It replaces Stable-Baselines3's own `make_vec_env`; episode statistics come from its `VecMonitor`.
 
     Args:
-        env_id: of an environment of this suite.
-        n_envs: N, how many.
+        env_id: id of an environment of this suite, or `module:id`, as Gymnasium understands it.
+        n_envs: number N of environments.
         seed: the first episode of environment i has the seed `seed + i`, and the action space `seed`;
             None draws seeds from numpy's global generator, as Stable-Baselines3 does.
-        num_threads: that step the physics; 0 takes all cores.
-        env_keywords: those of the single environment; every environment has the same.
+        num_threads: number of threads that step the physics; 0 takes all cores.
+        env_keywords: keywords of the single environment; they are the same for every environment.
 
     Returns:
         `SB3VecEnv` within `VecMonitor`.
 
     Raises:
         MissingPackageError: Stable-Baselines3 is not installed.
-        InvalidValueError: an environment of another suite; a keyword about how environments are put
-            together.
+        InvalidValueError: an environment of another suite; a keyword about how environments are vectorised.
         PRPError: a keyword that does not exist or a value that is not allowed.
     """
-    require_stable_baselines()
+    require()
     from stable_baselines3.common.vec_env import VecMonitor
 
     from prp_gym.agents.sb3.vec_env import SB3VecEnv
 
-    for name in _SETTLED:
+    for name in _FIXED:
         if name in env_keywords:
             raise InvalidValueError(name, env_keywords[name], "nothing; Stable-Baselines3 leaves no choice")
     if not _is_ours(env_id):
@@ -61,25 +61,8 @@ def make_sb3_vec_env(
     return vec_env
 
 
-def require_stable_baselines(*more: str) -> None:
-    """Raise unless Stable-Baselines3, what it is built on, and more packages can be imported.
-
-    Raises:
-        MissingPackageError: one of them is not installed.
-    """
-    for package in ("torch", "stable_baselines3", *more):
-        try:
-            import_module(package)
-        except ModuleNotFoundError as error:
-            if error.name != package:  # it is there, and something else is not
-                raise
-            raise MissingPackageError(package, "agents") from None
-
-
 def _is_ours(env_id: str) -> bool:
     module, _, name = env_id.rpartition(":")
     if module:  # that registers the id, as Gymnasium understands it
         import_module(module)
-    entry = gymnasium.spec(name).vector_entry_point
-    made_by = load_env_creator(entry) if isinstance(entry, str) else entry
-    return isinstance(made_by, type) and issubclass(made_by, PRPVectorEnv)
+    return name in TASKS

@@ -1,44 +1,39 @@
-"""What a model of Stable-Baselines3 computes its actions with, as a `Network`."""
+"""`read_network`: the actor of a Stable-Baselines3 model as a `Network`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
 from stable_baselines3.common.base_class import BaseAlgorithm
-from stable_baselines3.common.torch_layers import FlattenExtractor
 from torch import nn
 
 from prp_gym.agents.policy.network import Array32, Network, NetworkShape
+from prp_gym.agents.sb3.actors import ActorReader
+from prp_gym.agents.sb3.arguments import ACTIVATIONS
 from prp_gym.errors import InvalidValueError, NonFiniteError
 
-_ACTIVATIONS: Mapping[type[nn.Module], str] = {
-    nn.ELU: "elu",
-    nn.LeakyReLU: "leaky_relu",
-    nn.ReLU: "relu",
-    nn.SiLU: "silu",
-    nn.Tanh: "tanh",
-}
-Parts = tuple[nn.LSTM | None, list[nn.Module], str]
-"""Memory, layers and activations in order, head."""
+_ACTIVATIONS: Mapping[type[nn.Module], str] = {getattr(nn, kind): name for name, kind in ACTIVATIONS.items()}
 
 
-def read_network(model: BaseAlgorithm) -> Network:
-    """The actor of a model.
+def read_network(model: BaseAlgorithm, read_actor: ActorReader) -> Network:
+    """The network that computes the actions of a model.
+
+    Args:
+        model: trained model.
+        read_actor: function that finds the layers of the model's actor.
 
     Raises:
-        InvalidValueError: an algorithm, space or network that has no counterpart in `Network`.
+        InvalidValueError: a space or network that has no counterpart in `Network`.
         NonFiniteError: NaN or infinity among the weights.
     """
-    algorithm = type(model).__name__
-    if algorithm not in _READERS:
-        raise InvalidValueError("algorithm", algorithm, f"one of {', '.join(sorted(_READERS))}")
     outputs = _check_spaces(model)
     if getattr(model, "use_sde", False):
         raise InvalidValueError("use_sde", True, "False: generalised exploration is not exported")
-    memory, modules, head = _READERS[algorithm](model)
-    linears, activation = _split(modules)
+    actor = read_actor(model)
+    memory = actor.memory
+    linears, activation = _split(actor.modules)
     tensors = _lstm_tensors(memory) if memory is not None else {}
     for index, linear in enumerate(linears):
         tensors[f"layer_{index}.weight"], tensors[f"layer_{index}.bias"] = map(
@@ -50,7 +45,7 @@ def read_network(model: BaseAlgorithm) -> Network:
         hidden=tuple(linear.out_features for linear in linears[:-1]),
         outputs=outputs,
         activation=activation,
-        head=head,
+        head=actor.head,
     )
     for name, values in tensors.items():
         if not np.all(np.isfinite(values)):
@@ -59,7 +54,7 @@ def read_network(model: BaseAlgorithm) -> Network:
 
 
 def _check_spaces(model: BaseAlgorithm) -> int:
-    """Components of an action, where spaces are flat boxes and actions reach from -1 to 1.
+    """The number of components of an action, if both spaces are flat boxes and actions lie in ±1.
 
     Raises:
         InvalidValueError: other spaces.
@@ -77,57 +72,11 @@ def _check_spaces(model: BaseAlgorithm) -> int:
     return actions.shape[0]
 
 
-def _clipped(model: Any) -> Parts:
-    policy = model.policy
-    if policy.squash_output:
-        raise InvalidValueError("squash_output", True, "False: the mean is clipped")
-    _check_extractor(policy.pi_features_extractor)
-    return None, [*policy.mlp_extractor.policy_net, policy.action_net], "clip"
-
-
-def _remembering(model: Any) -> Parts:
-    _, modules, head = _clipped(model)
-    lstm = model.policy.lstm_actor
-    plain = nn.LSTM(lstm.input_size, lstm.hidden_size, lstm.num_layers)
-    for name in ("bias", "batch_first", "dropout", "bidirectional", "proj_size"):
-        if getattr(lstm, name) != getattr(plain, name):
-            raise InvalidValueError(f"{name} of the LSTM", getattr(lstm, name), f"{getattr(plain, name)}")
-    return lstm, modules, head
-
-
-def _squashed(model: Any) -> Parts:
-    _check_extractor(model.actor.features_extractor)
-    return None, [*model.actor.latent_pi, model.actor.mu], "tanh"
-
-
-def _squashed_within(model: Any) -> Parts:
-    """The actor whose last layer has its tanh in the same sequence."""
-    _check_extractor(model.actor.features_extractor)
-    *modules, last = model.actor.mu
-    if type(last) is not nn.Tanh:
-        raise InvalidValueError("last layer of the actor", last, "Tanh")
-    return None, modules, "tanh"
-
-
-_READERS: Mapping[str, Callable[[Any], Parts]] = {
-    "PPO": _clipped,
-    "RecurrentPPO": _remembering,
-    "SAC": _squashed,
-    "TD3": _squashed_within,
-    "TQC": _squashed,
-}
-
-
-def _check_extractor(extractor: nn.Module) -> None:
-    if type(extractor) is not FlattenExtractor:
-        raise InvalidValueError("features extractor", type(extractor).__name__, "FlattenExtractor")
-
-
 def _split(modules: list[nn.Module]) -> tuple[list[nn.Linear], str]:
-    """The linear layers, and the one activation between them.
+    """The linear layers, and the name of the activation that stands between all of them.
 
     Raises:
-        InvalidValueError: other modules, or in another order.
+        InvalidValueError: other modules, or modules in another order.
     """
     linears, between = modules[::2], modules[1::2]
     kinds = {type(module) for module in between} or {nn.Tanh}
@@ -141,7 +90,7 @@ def _split(modules: list[nn.Module]) -> tuple[list[nn.Linear], str]:
         raise InvalidValueError("layers of the network", modules, allowed)
     if any(before.out_features != after.in_features for before, after in pairwise(found)):
         raise InvalidValueError(
-            "layers of the network", modules, "each of as many inputs as there are outputs"
+            "layers of the network", modules, "each with as many inputs as the layer before it has outputs"
         )
     return found, name
 

@@ -8,8 +8,9 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.vec_env import VecNormalize
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.algorithms import constructor_arguments, load_algorithm
+from prp_gym.agents.sb3.arguments import constructor_arguments
 from prp_gym.agents.sb3.feature_vec_env import TrackingFeaturesVecEnv
 from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
 from prp_gym.agents.training.recipes import EPISODES_A_SEED, Recipe
@@ -18,11 +19,11 @@ from prp_gym.errors import InvalidValueError
 
 @dataclass(frozen=True)
 class Learner:
-    """An algorithm and what scales its observations.
+    """A model in training and its environments.
 
     Attributes:
-        model: of Stable-Baselines3.
-        env: its environments.
+        model: model of Stable-Baselines3.
+        env: environments of the model, with the running statistics that normalise its features.
     """
 
     model: BaseAlgorithm
@@ -30,7 +31,7 @@ class Learner:
 
     @property
     def normalizer(self) -> Normalizer:
-        """Of the features, as it is now; where they are not scaled, one that changes nothing."""
+        """The present normaliser of the features; an identity if the recipe does not normalise them."""
         if not self.env.norm_obs:
             size = int(np.prod(self.env.observation_space.shape or ()))
             return Normalizer(np.zeros(size), np.ones(size), 0.0, np.inf)
@@ -43,12 +44,16 @@ class Learner:
 
 
 def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
-    """An untrained agent with its environments; PyTorch computes in one thread.
+    """An untrained model with its environments; PyTorch is set to compute in one thread.
 
     Args:
-        recipe: how it is trained.
-        seed: of training.
-        resumes: how often training went on; every time, episodes with other seeds are begun.
+        recipe: recipe of the training.
+        seed: training seed.
+        resumes: number of times that training was resumed; each time, new episodes have other seeds.
+
+    Raises:
+        InvalidValueError: settings that the algorithm's constructor refuses.
+        PRPError: keywords that the environment refuses.
     """
     torch.set_num_threads(1)
     keywords: dict[str, Any] = dict(recipe.env_kwargs)
@@ -60,9 +65,9 @@ def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
         norm_reward=recipe.normalize["reward"],
         gamma=gamma,
     )
-    joints = int(np.prod(env.action_space.shape or ()))
-    arguments = constructor_arguments(recipe.settings, joints)
-    kind: Any = load_algorithm(recipe.algorithm)
+    action_size = int(np.prod(env.action_space.shape or ()))
+    arguments = constructor_arguments(recipe.settings, action_size)
+    kind: Any = ALGORITHMS.find(recipe.algorithm).load_class()
     try:
         model: BaseAlgorithm = kind(recipe.policy, env, seed=seed, device="cpu", verbose=0, **arguments)
     except (AssertionError, TypeError, ValueError) as error:
@@ -70,5 +75,5 @@ def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
         raise InvalidValueError(
             f"recipe's settings of {recipe.algorithm}", recipe.settings, allowed
         ) from error
-    env.seed((seed + 1) * EPISODES_A_SEED + resumes * recipe.n_envs)  # the model gave them seeds of its own
+    env.seed((seed + 1) * EPISODES_A_SEED + resumes * recipe.n_envs)  # the constructor seeded them otherwise
     return Learner(model, env)

@@ -1,21 +1,18 @@
-"""`Recipe`: how an agent is trained, merged from the files in `hyperparameters/`."""
+"""`Recipe`: how an agent is trained, merged from the entries of an algorithm's recipe file."""
 
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from prp_gym.agents.sb3.algorithms import (
-    ALGORITHMS,
-    constructor_arguments,
-    policy_names,
-    require,
-    setting_names,
-)
+from prp_gym.agents.algorithms import ALGORITHMS, AlgorithmSpec
+from prp_gym.agents.policy.environments import check_environment
+from prp_gym.agents.sb3.arguments import constructor_arguments
+from prp_gym.agents.sb3.packages import require
+from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normalize", "env_kwargs"))
 _MODES = "action_modes"
@@ -24,13 +21,13 @@ _NORMALIZED = ("obs", "reward")
 _EXPONENT = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?[eE][+-]?[0-9]+")
 
 EPISODES_A_SEED = 1_000_000
-"""Seeds of episodes that belong to a training seed: seed k has those from (k + 1) times this."""
+"""Number of episode seeds of one training seed; those of training seed k start at (k + 1) times it."""
 
 FIRST_HELD_OUT_SEED = 500_000_000
-"""Seed of the first held-out episode; the others follow."""
+"""Seed of the first held-out episode; the following episodes have the following seeds."""
 
 SEEDS = FIRST_HELD_OUT_SEED // EPISODES_A_SEED - 1
-"""How many training seeds there are, so that none has a held-out episode."""
+"""Number of training seeds that have no held-out episode among their own."""
 
 
 @dataclass(frozen=True)
@@ -38,14 +35,17 @@ class Recipe:
     """How an agent is trained.
 
     Attributes:
-        algorithm: one of `ALGORITHMS`.
-        environment_id: where.
-        n_timesteps: steps of all environments together.
-        n_envs: environments side by side.
-        policy: the algorithm's name of a kind of network.
-        normalize: whether `obs` and `reward` are scaled by running statistics.
+        algorithm: name of a declared algorithm.
+        environment_id: id of the environment.
+        n_timesteps: number of training steps, summed over the parallel environments.
+        n_envs: number of parallel environments.
+        policy: name of the policy network, such as `MlpPolicy`.
+        normalize: whether `obs` and `reward` are normalised by running statistics.
         env_kwargs: keywords of the environment, `action_mode` among them.
-        settings: of the algorithm's constructor, `policy_kwargs` among them, as plain values.
+        settings: arguments of the algorithm's constructor, `policy_kwargs` among them, as plain values.
+
+    Raises:
+        UnknownNameError: an environment that is not registered, or a keyword that it does not declare.
     """
 
     algorithm: str
@@ -57,14 +57,17 @@ class Recipe:
     env_kwargs: Mapping[str, Any]
     settings: Mapping[str, Any]
 
+    def __post_init__(self) -> None:
+        check_environment(self.environment_id, self.env_kwargs)
+
     @property
     def action_mode(self) -> str:
-        """What the agent's actions mean."""
-        return str(self.env_kwargs["action_mode"])
+        """Name of the action mode, which says what the agent's actions mean."""
+        return str(self.env_kwargs.get("action_mode", EnvConfig.action_mode))
 
     @property
     def name(self) -> str:
-        """Of the group of agents that are trained like this; a folder's name."""
+        """Name of the group of agents that this recipe trains, usable as the name of a folder."""
         return f"{self.algorithm}_{self.action_mode.replace(':', '-')}"
 
     def to_plain(self) -> dict[str, Any]:
@@ -88,26 +91,27 @@ def load_recipe(
     config: Path | None = None,
     overrides: Iterable[str] = (),
 ) -> Recipe:
-    """The recipe for an environment: `default`, its part for the action mode, then the id's own and its part.
+    """The recipe for an environment, merged from four entries of the recipe file.
+
+    They are `default`, its part for the action mode, the entry of the environment id, and its part for the
+    action mode; later ones replace earlier ones, key by key.
 
     Args:
-        algorithm: one of `ALGORITHMS`.
-        environment_id: of this suite.
-        action_mode: what actions mean; None for what the file says.
-        config: file in place of the one that comes with the suite.
-        overrides: texts `key=value` that replace what the file says, values as in YAML; dots lead into
-            nested keys, as in `policy_kwargs.net_arch=[32, 32]`.
+        algorithm: name of a declared algorithm.
+        environment_id: id of a registered environment.
+        action_mode: name of the action mode; None for the one that the file names.
+        config: path of a recipe file to use instead of the algorithm's own.
+        overrides: texts `key=value` that replace values of the file, with the value as in YAML; dots lead
+            into nested keys, as in `policy_kwargs.net_arch=[32, 32]`.
 
     Raises:
-        UnknownNameError: an algorithm, environment, or key that does not exist.
-        InvalidValueError: a file, override or value that is not as it must be.
+        UnknownNameError: an algorithm, environment, key or environment keyword that does not exist.
+        InvalidValueError: a file, override or value that is not allowed.
         MissingPackageError: a package for learning is not installed.
     """
-    if algorithm not in ALGORITHMS:
-        raise UnknownNameError("algorithm", algorithm, ALGORITHMS)
-    if environment_id not in list_envs():
-        raise UnknownNameError("environment", environment_id, list_envs())
-    entries = _read(algorithm, config)
+    spec = ALGORITHMS.find(algorithm)
+    check_environment(environment_id, {})
+    entries = _read(spec, config)
     merged: dict[str, Any] = {}
     for entry in (_DEFAULT, environment_id):
         merged = _merge(merged, {k: v for k, v in entries.get(entry, {}).items() if k != _MODES})
@@ -126,13 +130,19 @@ def load_recipe(
 
 
 def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) -> Recipe:
-    """A recipe of a merged entry, checked.
+    """A recipe from a merged entry, checked.
+
+    Args:
+        algorithm: name of a declared algorithm.
+        environment_id: id of a registered environment.
+        merged: values of the recipe by their keys.
 
     Raises:
-        UnknownNameError: a key that does not exist.
-        InvalidValueError: a key that is missing, or a value that is not as it must be.
+        UnknownNameError: an algorithm, environment, key or environment keyword that does not exist.
+        InvalidValueError: a key that is missing, or a value that is not allowed.
     """
-    valid = setting_names(algorithm) | _COMMON
+    spec = ALGORITHMS.find(algorithm)
+    valid = spec.setting_names() | _COMMON
     for key in merged:
         if key not in valid:
             raise UnknownNameError(f"key of a recipe for {algorithm}", key, valid)
@@ -141,14 +151,14 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
             raise InvalidValueError(
                 f"recipe of {algorithm} for {environment_id}", merged, f"one with {key!r}"
             )
-    allowed = policy_names(algorithm, merged["policy"])
+    allowed = spec.policy_setting_names(merged["policy"])
     for key in _mapping("policy_kwargs", merged.get("policy_kwargs", {})):
         if key not in allowed:
             raise UnknownNameError(f"key of policy_kwargs of {algorithm}", key, allowed)
     if "train_freq" in merged:
         _count("train_freq", merged["train_freq"])
     settings = {key: value for key, value in merged.items() if key not in _COMMON or key == "policy_kwargs"}
-    constructor_arguments(settings, joints=1)  # refuses what it cannot read
+    constructor_arguments(settings, action_size=1)  # refuses values that it cannot read
     return Recipe(
         algorithm,
         environment_id,
@@ -161,13 +171,12 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
     )
 
 
-def _read(algorithm: str, config: Path | None) -> dict[str, Any]:
-    """The entries of a file of hyperparameters."""
+def _read(spec: AlgorithmSpec, config: Path | None) -> dict[str, Any]:
+    """The entries of a recipe file."""
     yaml = require("yaml")
-    built_in = files("prp_gym.agents") / "hyperparameters" / f"{algorithm}.yml"
-    where = config or f"{algorithm}.yml"
+    where = config or spec.recipes.name
     try:
-        content = yaml.safe_load((config or built_in).read_text(encoding="utf-8"))
+        content = yaml.safe_load((config or spec.recipes).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise InvalidValueError("config", str(where), f"a readable file in YAML ({error})") from error
     entries = _mapping(f"content of {where}", _with_numbers(content))
@@ -196,7 +205,7 @@ def _parse_override(text: str) -> dict[str, Any]:
 
 
 def _with_numbers(value: object) -> Any:
-    """A value of YAML with texts such as `5e-4`, which YAML does not take for numbers, as numbers."""
+    """A value of YAML in which texts such as `5e-4`, which YAML does not read as numbers, are numbers."""
     if isinstance(value, Mapping):
         return {key: _with_numbers(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -207,7 +216,7 @@ def _with_numbers(value: object) -> Any:
 
 
 def _merge(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Both, the second before the first, in nested mappings as well."""
+    """Both mappings merged; values of the second replace those of the first, in nested mappings too."""
     merged = dict(below)
     for key, value in above.items():
         both = isinstance(value, Mapping) and isinstance(merged.get(key), Mapping)

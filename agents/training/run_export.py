@@ -1,4 +1,4 @@
-"""The best policy of a training run as an agent that needs no learning library."""
+"""The best policy of a training run as the files of an agent."""
 
 import json
 from collections.abc import Mapping
@@ -12,8 +12,8 @@ import torch
 from prp_gym.agents.policy.agent_card import CurvePoint, Run
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.algorithms import require
-from prp_gym.agents.sb3.export import AgentFacts, export_agent
+from prp_gym.agents.sb3.packages import require
+from prp_gym.agents.training.export import AgentFacts, export_agent
 from prp_gym.agents.training.model import Learner, make_learner
 from prp_gym.agents.training.recipes import Recipe, make_recipe
 from prp_gym.agents.training.run_folder import RunFolder
@@ -26,11 +26,11 @@ def write_agent(
     """Write the agent's files into the folder of its run.
 
     Args:
-        folder: of the run, with its `run.json` and `curve.json`.
-        recipe: by which it was trained.
-        learner: with the agent's weights.
-        normalizer: of the agent's features.
-        steps: of training that the weights had.
+        folder: folder of the run, with its `run.json` and `curve.json`.
+        recipe: recipe of the training.
+        learner: model with the agent's weights.
+        normalizer: normaliser of the agent's features.
+        steps: number of training steps after which the weights were stored.
 
     Raises:
         InvalidValueError: a network that cannot be exported.
@@ -55,10 +55,11 @@ def export_run(path: Path) -> None:
     """Write the agent's files of a finished run that lacks them.
 
     Args:
-        path: of the run's folder.
+        path: path of the run's folder.
 
     Raises:
-        RunFolderError: no finished run.
+        RunFolderError: the folder holds no finished run.
+        UnknownNameError: an algorithm, environment or key of the run's `config.yml` that does not exist.
     """
     folder = RunFolder(path.resolve())
     if not folder.is_finished:

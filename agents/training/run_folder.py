@@ -10,10 +10,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from prp_gym.agents.sb3.algorithms import require
+from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import Recipe
 from prp_gym.errors import InvalidValueError, RunFolderError
-from prp_gym.evaluation.results import list_versions, prepare_folder, to_plain, write_file, write_json
+from prp_gym.artifacts import list_versions, prepare_folder, to_plain, write_file, write_json
 
 _LOCK = ".lock"
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")

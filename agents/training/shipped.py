@@ -1,28 +1,29 @@
-"""Which agents come with the package: groups of training seeds, by `hyperparameters/shipped.yml`."""
+"""The agents that are shipped with the package: groups of training seeds, listed in `shipped.yml`."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from prp_gym.agents.sb3.algorithms import require
+from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.errors import InvalidValueError, UnknownNameError
+
+_LIST = Path(__file__).with_name("shipped.yml")
 
 
 @dataclass(frozen=True)
 class ShippedGroup:
-    """Agents that differ in their training seed alone.
+    """Agents that differ in their training seed only.
 
     Attributes:
-        environment: id of this suite.
-        algorithm: that trains them.
-        action_mode: what their actions mean.
-        seeds: how many; they are 0, 1, ...
+        environment: id of the environment.
+        algorithm: name of the algorithm that trains the agents.
+        action_mode: name of the agents' action mode.
+        seeds: number of training seeds, which are 0, 1, ...
 
     Raises:
-        InvalidValueError: a value of another type, no seed or too many.
+        InvalidValueError: a value of another type, no training seed, or too many.
     """
 
     environment: str
@@ -38,26 +39,26 @@ class ShippedGroup:
             raise InvalidValueError("seeds of a group", self.seeds, f"a whole number, 1 to {SEEDS}")
 
     def recipe(self, config: Path | None = None, overrides: Iterable[str] = ()) -> Recipe:
-        """How they are trained; see `load_recipe`."""
+        """The recipe that trains the agents; see `load_recipe`."""
         return load_recipe(self.algorithm, self.environment, self.action_mode, config, overrides)
 
 
 def read_groups(manifest: Path | None = None) -> tuple[ShippedGroup, ...]:
-    """The groups of a list.
+    """The groups of agents in a list.
 
     Args:
-        manifest: the list, a file in YAML; None for the one that comes with the suite.
+        manifest: path of the list, a YAML file; None for the list of the package.
 
     Raises:
-        InvalidValueError: a file that cannot be read or lists no group, an entry that is none, or one twice.
+        InvalidValueError: a file that cannot be read or lists no group, an entry that is not a group, or a
+            group that is listed twice.
         UnknownNameError: a key that a group does not have.
         MissingPackageError: a package for learning is not installed.
     """
     yaml = require("yaml")
-    built_in = files("prp_gym.agents") / "hyperparameters" / "shipped.yml"
-    where = str(manifest or "shipped.yml")
+    where = str(manifest or _LIST.name)
     try:
-        content = yaml.safe_load((manifest or built_in).read_text(encoding="utf-8"))
+        content = yaml.safe_load((manifest or _LIST).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise InvalidValueError("manifest", where, f"a readable file in YAML ({error})") from error
     if not isinstance(content, list) or not content:

@@ -9,7 +9,8 @@ from typing import Any
 
 from stable_baselines3.common.logger import Logger, TensorBoardOutputFormat
 
-from prp_gym.agents.sb3.algorithms import require, setting_names
+from prp_gym.agents.algorithms import ALGORITHMS
+from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.checkpoint import (
     find_checkpoint,
     read_resumes,
@@ -169,8 +170,8 @@ def _learn(
 
 
 def _log_interval(job: TrainingJob) -> int:
-    """Rollouts, or with a replay buffer episodes, between two entries of the log."""
-    return job.recipe.n_envs if "learning_starts" in setting_names(job.recipe.algorithm) else 1
+    """Rollouts between two entries of the log; episodes, for an algorithm with a replay buffer."""
+    return job.recipe.n_envs if ALGORITHMS.find(job.recipe.algorithm).scope.replay_buffer else 1
 
 
 def _make_logger(job: TrainingJob, folder: RunFolder) -> Logger:

@@ -9,7 +9,7 @@ from typing import Any
 
 from prp_gym.baselines.base.spec import ControllerSpec, find_controller, read_toml
 from prp_gym.errors import GainsFileError, InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 
 Gains = str | Path | Mapping[str, Any]
 """A set's name, settings by name, or a TOML file of settings by name."""

@@ -30,7 +30,7 @@ class Judge:
         info_fields: the columns of `info`.
     """
 
-    def __init__(self, task: Task[Any], physics: Simulation, frequency: float) -> None:
+    def __init__(self, task: Task, physics: Simulation, frequency: float) -> None:
         num_envs = physics.num_simulations
         self._physics = physics
         self._reward = Reward(task.numbers.reward, task.period)

@@ -63,7 +63,7 @@ class EpisodeLoop:
 
     state_names: ClassVar[tuple[str, ...]] = STATE
 
-    def __init__(self, task: Task[Any], config: EnvConfig, num_envs: int = 1, num_threads: int = 1) -> None:
+    def __init__(self, task: Task, config: EnvConfig, num_envs: int = 1, num_threads: int = 1) -> None:
         self.task = task
         self.config = config
         self.num_envs = num_envs
@@ -127,7 +127,7 @@ class EpisodeLoop:
             starts.append(self.task.draw(rng, {name: values[row] for name, values in options.items()}))
             plants.append(self.task.draw_plant(rng))
             seeds.append(int(rng.integers(_LARGEST_SEED)))
-        self.task.place(self.physics, ids, starts, plants)
+        self.task.configure(self.physics, ids, starts, plants)
         self.task.begin(ids, starts)
         self._actuators.begin(ids, seeds)
         self._sensors.begin(ids, seeds)

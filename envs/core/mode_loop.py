@@ -1,7 +1,6 @@
 """A loop whose torques come from an inner law that the actions steer."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +33,7 @@ class ModeLoop(EpisodeLoop):
 
     def __init__(
         self,
-        task: Task[Any],
+        task: Task,
         config: EnvConfig,
         mode: ActionMode,
         periods: int,

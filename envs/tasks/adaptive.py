@@ -2,27 +2,29 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.base.references import path_overlay
+from prp_gym.envs.base.scoring import LINK_SCORING
 from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.physics.link_simulation import LinkPhysics
-from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, OverlayItem, Path
+from prp_gym.physics.rendering import OverlayItem
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
-from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND
-from prp_gym.tasks.scenario import Scenario
-from prp_gym.tasks.task import ResetOption, TaskNumbers
+from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND, Field
+from prp_gym.tasks.parts import EpisodeStart, ErrorFunction, Reference, ResetOption, StartSampler, World
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup
 from prp_gym.tasks.trajectory import Sine, SquareAcceleration, Trajectory
-from prp_gym.tasks.trajectory_task import TrajectoryStart, TrajectoryTask
 
 REFERENCES = ("sine", "square")
 PLANT_OPTIONS = {
@@ -30,7 +32,6 @@ PLANT_OPTIONS = {
     "viscous_friction": ResetOption((), "N·m·s/rad", "viscous friction F of the plant"),
     "gravity_moment": ResetOption((), "N·m", "largest moment G of the plant's weight"),
 }
-_PATH_POINTS = 120
 _BOUNDS = {
     "reference_frequency": (0.05, 20.0),  # beyond these a reference leaves the observation's declared bounds
     "inertia": (1e-3, 1e3),
@@ -88,40 +89,66 @@ def make_link(numbers: Mapping[str, float]) -> LinkParameters:
 
 
 @dataclass(frozen=True, eq=False)
-class LinkStart(TrajectoryStart):
+class LinkStart(EpisodeStart):
     """A start with its reference and its plant.
 
     Attributes:
-        plant: the link that is to be moved.
+        plant: Link that is to be moved.
     """
 
     plant: LinkParameters
 
 
-class AdaptiveTracking(TrajectoryTask[LinkStart]):
-    """Follow q_d(t) with a link whose I, F and G no policy knows. Source: [R] 8.1."""
+class LinkWorld(World[LinkStart]):
+    """A single link whose inertia, friction and weight differ from the nominal ones."""
 
-    environment_id = "PRP-Adaptive-v0"
     measured_fields = LINK_FIELDS
-    reference_fields = LINK_REFERENCE_FIELDS
-    reset_options: ClassVar = {
+
+    def __init__(self) -> None:
+        self.model = Link(NOMINAL_LINK)
+
+    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
+        """See `World.make_physics`."""
+        return LinkPhysics(NOMINAL_LINK, timestep, num_envs, num_threads)
+
+    def draw_plant(self, rng: np.random.Generator) -> None:
+        """See `World.draw_plant`: the plant is part of the start."""
+
+    def configure(
+        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[LinkStart], plants: Sequence[Any]
+    ) -> None:
+        """See `World.configure`."""
+        if not isinstance(physics, LinkPhysics):
+            raise InvalidValueError("physics", type(physics).__name__, "the link's, a LinkPhysics")
+        links = [start.plant for start in starts]
+        physics.set_parameters(
+            ids,
+            np.array([link.inertia for link in links]),
+            np.array([link.viscous_friction for link in links]),
+            np.array([link.gravity_moment for link in links]),
+        )
+
+
+class LinkStarts(StartSampler[LinkStart]):
+    """Starts of the link, with its reference and its plant.
+
+    Args:
+        setup: Numbers, scenario, keywords and period of the task.
+    """
+
+    reset_options: Mapping[str, ResetOption] = {
         "joint_position": ResetOption((1,), "rad", "initial joint position"),
         "joint_velocity": ResetOption((1,), "rad/s", "initial joint velocity"),
         **PLANT_OPTIONS,
     }
 
-    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
-        super().__init__(numbers, scenario, options, period)
-        self.model = Link(NOMINAL_LINK)
-
-    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
-        """See `Task.make_physics`."""
-        return LinkPhysics(NOMINAL_LINK, timestep, num_envs, num_threads)
+    def __init__(self, setup: TaskSetup) -> None:
+        self._ranges, self._options = setup.ranges, setup.options
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> LinkStart:
-        """See `Task.draw`."""
+        """See `StartSampler.draw`."""
         names = ("joint_position", "amplitude", "frequency", "square_frequency", *PLANT_OPTIONS)
-        drawn = {name: self.ranges[name].draw(rng) for name in names}
+        drawn = {name: self._ranges[name].draw(rng) for name in names}
         numbers = {name: float(drawn[name][0]) for name in PLANT_OPTIONS}
         given = {
             name: within(name, options[name], _BOUNDS[name], option.unit)
@@ -136,51 +163,46 @@ class AdaptiveTracking(TrajectoryTask[LinkStart]):
         ):
             if abs(value[0]) > bound:
                 raise InvalidValueError(what, value.tolist(), f"within ±{bound:g}", "rad, rad/s")
-        plant = make_link(numbers | self.options.plant() | given)
+        plant = make_link(numbers | self._options.plant() | given)
         return LinkStart(position, velocity, self._draw_trajectory(drawn), plant)
 
     def _draw_trajectory(self, drawn: Mapping[str, Array]) -> Trajectory:
-        square = self.options.reference == "square"
+        square = self._options.reference == "square"
         frequency = drawn["square_frequency" if square else "frequency"]
-        if self.options.reference_frequency is not None:
-            frequency = np.array([self.options.reference_frequency])
+        if self._options.reference_frequency is not None:
+            frequency = np.array([self._options.reference_frequency])
         rate = 2 * np.pi * frequency[None]
         if square:
             return SquareAcceleration(np.zeros((1, 1)), np.ones((1, 1)), rate)
         return Sine(np.zeros((1, 1)), drawn["amplitude"][None], rate, np.zeros((1, 1)))
 
-    def draw_plant(self, rng: np.random.Generator) -> None:
-        """See `Task.draw_plant`: the plant is part of the start."""
 
-    def place(
-        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[LinkStart], plants: Sequence[Any]
-    ) -> None:
-        """See `Task.place`."""
-        if not isinstance(physics, LinkPhysics):
-            raise InvalidValueError("physics", type(physics).__name__, "the link's, a LinkPhysics")
-        links = [start.plant for start in starts]
-        physics.set_parameters(
-            ids,
-            np.array([link.inertia for link in links]),
-            np.array([link.viscous_friction for link in links]),
-            np.array([link.gravity_moment for link in links]),
-        )
+class LinkReference(Reference):
+    """A motion of the link's joint."""
 
-    def reference(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
-        """See `Task.reference`."""
+    fields: ClassVar[tuple[Field, ...]] = LINK_REFERENCE_FIELDS
+
+    def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
+        """See `Reference.sample`."""
         return self.rows(ids).sample(time)
+
+    def overlay(self, index: int, duration: float) -> list[OverlayItem]:
+        """See `Reference.overlay`."""
+        trajectory = self.trajectory.rows(np.array([index]))
+        return path_overlay(trajectory, _tip(trajectory.goal[0, 0]), _tip_path, duration)
+
+
+class LinkErrors(ErrorFunction):
+    """Tracking error of the link, and the effort."""
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         """(..., 2, 1): tracking error [rad] and torque [N m]."""
         position, desired = ground_truth[..., 0], ground_truth[..., 2]
         return np.stack([desired - position, torque[..., 0]], axis=-1)[..., None]
 
-    def overlay(self, index: int, duration: float) -> list[OverlayItem]:
-        """Where the tip should be now and then: the ends and the path of the reference."""
-        trajectory = self.trajectory.rows(np.array([index]))
-        time = np.linspace(0.0, duration, _PATH_POINTS)[:, None]
-        path = _tip(trajectory.sample(time)[:, 0, 0])
-        return [Ball(_tip(trajectory.goal[0, 0]), 0.025, GOAL_COLOR), Path(path, 2.0, PATH_COLOR)]
+
+def _tip_path(trajectory: Trajectory, time: Array) -> Array:
+    return _tip(trajectory.sample(time)[..., 0])
 
 
 def _tip(angle: Array) -> Array:
@@ -189,19 +211,26 @@ def _tip(angle: Array) -> Array:
     return np.stack([across, np.zeros_like(across), HINGE_HEIGHT - down], axis=-1)
 
 
-class AdaptiveEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Follow a trajectory with one link whose inertia, friction and weight are unknown.
 
     I q̈ + F q̇ + G sin q = τ, with q = 0 hanging down. Scenario `report` has I = 0.5 kg m²,
     F = 0.15 N m s/rad and G = 1.85 N m, starts hanging at rest and asks for sin 2πt rad; the others draw all
     of these. The nominal link, which policies may know, has the report's numbers.
+
+    Source: [R] 8.1.
     """
-
-    task_class = AdaptiveTracking
-    options_class = AdaptiveOptions
+    return TaskParts(LinkWorld(), LinkStarts(setup), LinkReference(), LinkErrors())
 
 
-class AdaptiveVectorEnv(PRPVectorEnv):
-    """Many of `AdaptiveEnv`, stepped together."""
-
-    environment_class = AdaptiveEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-Adaptive-v0",
+        summary="follow a trajectory with one link of unknown inertia, friction and weight",
+        entry=TaskEntry(compose, AdaptiveOptions),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=LINK_SCORING,
+        chapter=8.1,
+        released=True,
+    )
+)

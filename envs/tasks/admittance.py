@@ -1,13 +1,18 @@
 """PRP-Admittance-v0: give way to a surface as a compliant frame does."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
-from prp_gym.envs.base.rendering_task import DynamicRenderingTask, TargetOptions
+from prp_gym.envs.base.contact_starts import ContactStarts, ContactWorld, quintic_path
+from prp_gym.envs.base.references import PoseSpaceReference
+from prp_gym.envs.base.scoring import TARGET_SCORING
+from prp_gym.envs.base.target_errors import DynamicTargetErrors
+from prp_gym.envs.base.target_options import TargetOptions
 from prp_gym.envs.config import describe
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import UnknownNameError
-from prp_gym.robot.arrays import Array
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 REFERENCES = ("return", "hold")
 
@@ -31,32 +36,31 @@ class AdmittanceOptions(TargetOptions):
             raise UnknownNameError("reference", self.reference, REFERENCES)
 
 
-class Admittance(DynamicRenderingTask):
-    """M_t z̈ + K_Dt ż + K_Pt z = h_e, x = x_d - z. Source: [R] 13; [S] 9.3.2."""
-
-    environment_id = "PRP-Admittance-v0"
-
-    def way(self, waypoints: Array, intervals: Array) -> tuple[Array, Array]:
-        """Behind the surface, and back where that is asked for."""
-        if self.options.reference == "hold":
-            return waypoints[:-1], intervals[:-1]
-        return waypoints, intervals
-
-
-class AdmittanceEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Give way to a surface as a compliant frame of given inertia, damping and stiffness does.
 
     The reference moves behind the surface and back. Scored is the distance of the tip from the reference,
     displaced as the contact force displaces the frame. Scenario `report` moves from home to the
     pose of (0 rad, -0.25 m, 0 rad) in 1.5 s and to that of (0 rad, -0.1 m, 0 rad) in another 1.5 s, with the
     surface at y = -0.34 m.
+
+    Source: M_t z̈ + K_Dt ż + K_Pt z = h_e, x = x_d - z in [R] 13; [S] 9.3.2.
     """
+    world = ContactWorld(setup)
+    kept = slice(-1) if setup.options.reference == "hold" else slice(None)
+    reference = PoseSpaceReference(world.arm)
+    errors = DynamicTargetErrors(setup, observed_layout(world, reference))
+    return TaskParts(world, ContactStarts(setup, world, quintic_path, kept=kept), reference, errors)
 
-    task_class = Admittance
-    options_class = AdmittanceOptions
 
-
-class AdmittanceVectorEnv(PRPVectorEnv):
-    """Many of `AdmittanceEnv`, stepped together."""
-
-    environment_class = AdmittanceEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-Admittance-v0",
+        summary="give way to a surface as a compliant frame does",
+        entry=TaskEntry(compose, AdmittanceOptions),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=TARGET_SCORING,
+        chapter=13,
+        released=True,
+    )
+)

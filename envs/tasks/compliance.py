@@ -1,30 +1,41 @@
 """PRP-Compliance-v0: give way to a surface as a spring does."""
 
-from prp_gym.envs.base.rendering_task import StaticRenderingTask, StiffnessOptions
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
+from pathlib import Path
+
+from prp_gym.envs.base.contact_starts import ContactStarts, ContactWorld, hold_end
+from prp_gym.envs.base.references import PoseSpaceReference
+from prp_gym.envs.base.scoring import TARGET_SCORING
+from prp_gym.envs.base.target_errors import StaticTargetErrors
+from prp_gym.envs.base.target_options import StiffnessOptions
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
-class Compliance(StaticRenderingTask):
-    """Statically K_P x̃ = h_e. Source: [R] 11; [S] 9.2.1."""
-
-    environment_id = "PRP-Compliance-v0"
-
-
-class ComplianceEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Give way to a surface as a spring of given stiffness does.
 
     The desired pose lies behind the surface. Scored is the distance of the tip from x_d - K_P⁻¹h_e, where a
-    spring K_P that holds the tip at x_d would leave it under the contact force h_e of now. Scenario
+    spring K_P that holds the tip at x_d would leave it under the present contact force h_e. Scenario
     `report` starts at home, asks for the pose of (0 rad, -0.2 m, 0 rad), and puts the surface at
     y = -0.44 m with its free side at y < -0.44 m.
+
+    Source: [R] 11; [S] 9.2.1.
     """
+    world = ContactWorld(setup)
+    reference = PoseSpaceReference(world.arm)
+    errors = StaticTargetErrors(setup, observed_layout(world, reference))
+    return TaskParts(world, ContactStarts(setup, world, hold_end), reference, errors)
 
-    task_class = Compliance
-    options_class = StiffnessOptions
 
-
-class ComplianceVectorEnv(PRPVectorEnv):
-    """Many of `ComplianceEnv`, stepped together."""
-
-    environment_class = ComplianceEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-Compliance-v0",
+        summary="give way to a surface as a spring does",
+        entry=TaskEntry(compose, StiffnessOptions),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=TARGET_SCORING,
+        chapter=11,
+        released=True,
+    )
+)

@@ -2,21 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
-from prp_gym.envs.base.arm_task import path_from
-from prp_gym.envs.base.contact_task import ContactStart
-from prp_gym.envs.base.force_task import ForceOptions, ForceTask
+from prp_gym.envs.base.contact_starts import ContactStart, ContactStarts, ContactWorld
+from prp_gym.envs.base.force_errors import ForceErrors
+from prp_gym.envs.base.force_options import ForceOptions, NormalForce
+from prp_gym.envs.base.references import ForceAndPoseReference
+from prp_gym.envs.base.scoring import FORCE_SCORING
+from prp_gym.envs.base.tracking_starts import path_from
 from prp_gym.envs.config import describe
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.scenario import Scenario
-from prp_gym.tasks.task import TaskNumbers
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 from prp_gym.tasks.trajectory import QuinticWaypoints, Trajectory
 
 STARTS = ("goal", "home")
@@ -86,47 +89,48 @@ class ForcePositionOptions(ForceOptions):
             raise UnknownNameError("start", self.start, STARTS)
 
 
-class ForcePosition(ForceTask):
-    """Press with f_d and follow x_d in the rest. Source: [R] 15; [S] 9.4.3.
-
-    Raises:
-        InvalidValueError: a start at home in a scenario that draws its surface.
-    """
-
-    environment_id = "PRP-ForcePosition-v0"
-
-    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
-        super().__init__(numbers, scenario, options, period)
-        if options.start == "home" and not scenario.deterministic:
-            allowed = "'goal': home may lie behind a surface that is drawn (scenario 'report' draws none)"
-            raise InvalidValueError("start", options.start, allowed)
+class HomeStarts(ContactStarts):
+    """Starts at home, whatever was drawn, unless a reset option says otherwise."""
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
-        """See `Task.draw`."""
-        if self.options.start == "home" and "joint_position" not in options:
-            drawn = super().draw(rng, options)
-            return replace(drawn, joint_position=np.zeros(3))
-        return super().draw(rng, options)
-
-    def draw_reference(self, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
-        """Along the surface, from the start through the waypoints."""
-        return ReachWaypoints.through(self.arm, *path_from(start, waypoints, intervals))
+        """See `StartSampler.draw`."""
+        drawn = super().draw(rng, options)
+        return drawn if "joint_position" in options else replace(drawn, joint_position=np.zeros(3))
 
 
-class ForcePositionEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Press on a surface with a given force and follow a pose in the other directions.
 
     Scored are the force along the surface's normal, and the deviation from the desired pose in the other
     directions. Scenario `report` holds the pose of (-π/2 rad, -0.1 m, -π/6 rad), 0.1 m off a surface at
     x = -0.3078 m, and asks for 0.5 N along +x; its own run, with 1 N/m and from home, needs q_2 = -0.7 m,
     far beyond the slide's limit, so that 50 N/m is the default. The others move the tip along the surface.
+
+    Source: [R] 15; [S] 9.4.3.
     """
+    start, world = setup.options.start, ContactWorld(setup)
+    if start == "home" and not setup.scenario.deterministic:
+        allowed = "'goal': home may lie behind a surface that is drawn (scenario 'report' draws none)"
+        raise InvalidValueError("start", start, allowed)
+    sampler = HomeStarts if start == "home" else ContactStarts
+    starts = sampler(setup, world, partial(_along_surface, world.arm), NormalForce(setup.options))
+    reference = ForceAndPoseReference(world.arm)
+    return TaskParts(world, starts, reference, ForceErrors(observed_layout(world, reference)))
 
-    task_class = ForcePosition
-    options_class = ForcePositionOptions
+
+def _along_surface(arm: PRPArm, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
+    """Along the surface, from the start through the waypoints; see `ContactPath`."""
+    return ReachWaypoints.through(arm, *path_from(start, waypoints, intervals))
 
 
-class ForcePositionVectorEnv(PRPVectorEnv):
-    """Many of `ForcePositionEnv`, stepped together."""
-
-    environment_class = ForcePositionEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-ForcePosition-v0",
+        summary="press on a surface with a given force while moving along it",
+        entry=TaskEntry(compose, ForcePositionOptions),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=FORCE_SCORING,
+        chapter=15,
+        released=True,
+    )
+)

@@ -1,29 +1,40 @@
 """PRP-Impedance-v0: behave as a mass, damper and spring towards a surface."""
 
-from prp_gym.envs.base.rendering_task import DynamicRenderingTask, TargetOptions
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
+from pathlib import Path
+
+from prp_gym.envs.base.contact_starts import ContactStarts, ContactWorld, quintic_path
+from prp_gym.envs.base.references import PoseSpaceReference
+from prp_gym.envs.base.scoring import TARGET_SCORING
+from prp_gym.envs.base.target_errors import DynamicTargetErrors
+from prp_gym.envs.base.target_options import TargetOptions
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
-class Impedance(DynamicRenderingTask):
-    """M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e. Source: [R] 12; [S] 9.3.1."""
-
-    environment_id = "PRP-Impedance-v0"
-
-
-class ImpedanceEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Behave towards a surface as a mass, damper and spring does.
 
     The reference moves to a pose behind the surface. Scored is the distance of the tip from the target model,
     which the contact force drives along the same reference. Scenario `report` moves from home to the
     pose of (0 rad, -0.2 m, 0 rad) in 1 s, with the surface at y = -0.44 m.
+
+    Source: M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e in [R] 12; [S] 9.3.1.
     """
+    world = ContactWorld(setup)
+    reference = PoseSpaceReference(world.arm)
+    errors = DynamicTargetErrors(setup, observed_layout(world, reference))
+    return TaskParts(world, ContactStarts(setup, world, quintic_path), reference, errors)
 
-    task_class = Impedance
-    options_class = TargetOptions
 
-
-class ImpedanceVectorEnv(PRPVectorEnv):
-    """Many of `ImpedanceEnv`, stepped together."""
-
-    environment_class = ImpedanceEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-Impedance-v0",
+        summary="behave towards a surface as a mass, damper and spring does",
+        entry=TaskEntry(compose, TargetOptions),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=TARGET_SCORING,
+        chapter=12,
+        released=True,
+    )
+)

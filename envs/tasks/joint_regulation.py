@@ -1,35 +1,40 @@
 """PRP-JointRegulation-v0: bring the joints to a position and hold it."""
 
-import numpy as np
+from pathlib import Path
 
-from prp_gym.envs.base.joint_task import JointTask
-from prp_gym.envs.base.reference_draws import Draw
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
-from prp_gym.robot.arrays import Array
-
-
-class JointRegulation(JointTask):
-    """Hold q_d. Source: [R] 6.1-6.3, 7.1."""
-
-    environment_id = "PRP-JointRegulation-v0"
-
-    def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """A constant reference; see `FreeTask.draw_trajectory`."""
-        return self.draw_constant(rng, joint_position, goal)
+from prp_gym.envs.base.arm_world import ArmWorld
+from prp_gym.envs.base.motion_errors import JointErrors
+from prp_gym.envs.base.references import JointSpaceReference
+from prp_gym.envs.base.scoring import JOINT_SCORING
+from prp_gym.envs.base.tracking_starts import ConstantSampler, TrackingStarts
+from prp_gym.tasks.parts import EpisodeStart
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
-class JointRegulationEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Bring the joints to a position and hold it.
 
     Scenario `report` starts at home and asks for (π/2 rad, -0.2 m, π rad); the others draw start and
     goal over nearly the whole joint range.
+
+    Source: [R] 6.1-6.3, 7.1.
     """
+    world: ArmWorld[EpisodeStart] = ArmWorld(setup)
+    starts = TrackingStarts(world, ConstantSampler(setup, world.arm))
+    reference = JointSpaceReference(world.arm)
+    return TaskParts(world, starts, reference, JointErrors(observed_layout(world, reference)))
 
-    task_class = JointRegulation
 
-
-class JointRegulationVectorEnv(PRPVectorEnv):
-    """Many of `JointRegulationEnv`, stepped together."""
-
-    environment_class = JointRegulationEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-JointRegulation-v0",
+        summary="bring the joints to a position and hold it",
+        entry=TaskEntry(compose),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=JOINT_SCORING,
+        chapter=6.1,
+        released=True,
+    )
+)

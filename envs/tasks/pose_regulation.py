@@ -1,35 +1,40 @@
 """PRP-PoseRegulation-v0: bring the end effector to a pose and hold it."""
 
-import numpy as np
+from pathlib import Path
 
-from prp_gym.envs.base.pose_task import PoseTask
-from prp_gym.envs.base.reference_draws import Draw
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
-from prp_gym.robot.arrays import Array
-
-
-class PoseRegulation(PoseTask):
-    """Hold x_d, the pose of a joint position. Source: [R] 9.1."""
-
-    environment_id = "PRP-PoseRegulation-v0"
-
-    def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """A constant reference; see `FreeTask.draw_trajectory`."""
-        return self.draw_constant(rng, joint_position, goal)
+from prp_gym.envs.base.arm_world import ArmWorld
+from prp_gym.envs.base.motion_errors import PoseErrors
+from prp_gym.envs.base.references import PoseSpaceReference
+from prp_gym.envs.base.scoring import POSE_SCORING
+from prp_gym.envs.base.tracking_starts import ConstantSampler, TrackingStarts
+from prp_gym.tasks.parts import EpisodeStart
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
-class PoseRegulationEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Bring the end effector to a pose and hold it.
 
     Scenario `report` starts at home and asks for the pose of (-π/3 rad, -0.1 m, π/2 rad); the others draw
     start and goal over nearly the whole joint range.
+
+    Source: [R] 9.1.
     """
+    world: ArmWorld[EpisodeStart] = ArmWorld(setup)
+    starts = TrackingStarts(world, ConstantSampler(setup, world.arm))
+    reference = PoseSpaceReference(world.arm)
+    return TaskParts(world, starts, reference, PoseErrors(observed_layout(world, reference)))
 
-    task_class = PoseRegulation
 
-
-class PoseRegulationVectorEnv(PRPVectorEnv):
-    """Many of `PoseRegulationEnv`, stepped together."""
-
-    environment_class = PoseRegulationEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-PoseRegulation-v0",
+        summary="bring the end effector to a pose and hold it",
+        entry=TaskEntry(compose),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=POSE_SCORING,
+        chapter=9.1,
+        released=True,
+    )
+)

@@ -1,16 +1,22 @@
 """PRP-PoseTracking-v0: follow a trajectory of the end effector's pose."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
-from prp_gym.envs.base.pose_task import PoseTask
-from prp_gym.envs.base.reference_draws import Draw, StartOptions
+from prp_gym.envs.base.arm_world import ArmWorld
+from prp_gym.envs.base.motion_errors import PoseErrors
+from prp_gym.envs.base.references import PoseSpaceReference
+from prp_gym.envs.base.scoring import POSE_SCORING
+from prp_gym.envs.base.tracking_starts import Draw, StartOptions, TrackingStarts, WaypointSampler
 from prp_gym.envs.config import describe
-from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.parts import EpisodeStart
+from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.spec import TaskEntry, TaskSpec
+from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 from prp_gym.tasks.trajectory import QuinticWaypoints
 
 REFERENCES = ("joint", "pose")
@@ -39,31 +45,38 @@ class PoseTrackingOptions(StartOptions):
             raise UnknownNameError("reference", self.reference, REFERENCES)
 
 
-class PoseTracking(PoseTask):
-    """Follow x_d(t) through the poses of joint waypoints. Source: [R] 10.1."""
+class PoseWaypointSampler(WaypointSampler):
+    """Quintic segments of the pose, through the poses of joint waypoints."""
 
-    environment_id = "PRP-PoseTracking-v0"
-
-    def draw_trajectory(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """Quintic segments in the chosen space; a goal replaces their end."""
-        joints = self.draw_waypoints(rng, joint_position, goal, self.options.start)
-        if self.options.reference == "joint":
-            return joints, joint_position
+    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
+        """See `ReferenceSampler.draw`; a goal replaces the last waypoint."""
+        joints = self.draw_waypoints(rng, joint_position, goal)
         return QuinticWaypoints(joints.times, self.arm.forward_kinematics(joints.positions)), joint_position
 
 
-class PoseTrackingEnv(PRPEnv):
+def compose(setup: TaskSetup) -> TaskParts:
     """Follow a trajectory of the end effector's pose.
 
     Scenario `report` runs through the poses of the report's waypoints from home; the others draw waypoints
     over nearly the whole joint range and begin at the arm's initial pose.
+
+    Source: [R] 10.1.
     """
+    world: ArmWorld[EpisodeStart] = ArmWorld(setup)
+    sampler = WaypointSampler if setup.options.reference == "joint" else PoseWaypointSampler
+    reference = PoseSpaceReference(world.arm)
+    errors = PoseErrors(observed_layout(world, reference))
+    return TaskParts(world, TrackingStarts(world, sampler(setup, world.arm)), reference, errors)
 
-    task_class = PoseTracking
-    options_class = PoseTrackingOptions
 
-
-class PoseTrackingVectorEnv(PRPVectorEnv):
-    """Many of `PoseTrackingEnv`, stepped together."""
-
-    environment_class = PoseTrackingEnv
+TASK = register_task(
+    TaskSpec(
+        id="PRP-PoseTracking-v0",
+        summary="follow a trajectory of the end effector's pose",
+        entry=TaskEntry(compose, PoseTrackingOptions),
+        numbers=Path(__file__).with_suffix(".toml"),
+        scoring=POSE_SCORING,
+        chapter=10.1,
+        released=True,
+    )
+)

@@ -9,22 +9,22 @@ from typing import Annotated, Any
 import gymnasium
 import typer
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.policy.agent_card import Run
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.export import AgentFacts, export_agent, identity_normalizer
-from prp_gym.agents.sb3.make_vec_env import require_stable_baselines
+from prp_gym.agents.training.export import AgentFacts, export_agent, identity_normalizer
 from prp_gym.cli.options import Plugins
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
 from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.registration import list_envs
 
 
 def export_command(
     path: Annotated[Path, typer.Argument(help="Model of Stable-Baselines3, a zip.")],
     env: Annotated[str, typer.Option(help="Environment id on which it was trained.")],
     output: Annotated[Path, typer.Option(help="Of the agent's files, without suffix.")],
-    algorithm: Annotated[str, typer.Option(help="ppo, recurrent_ppo, sac, td3 or tqc.")] = "ppo",
+    algorithm: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
     normalizer: Annotated[
         Path | None, typer.Option(help="Its VecNormalize, a pickle. Default: none was used.")
     ] = None,
@@ -64,10 +64,10 @@ def export_command(
 
 def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Normalizer]:
     """The model and its normaliser, of files that the user trusts."""
-    require_stable_baselines("sb3_contrib")
+    trained_by = ALGORITHMS.find(algorithm).load_class()
     from prp_gym.agents.sb3.trusted_files import open_trusted_model, open_trusted_normalizer
 
-    model = open_trusted_model(path, algorithm)
+    model = open_trusted_model(path, trained_by, algorithm)
     if normalizer is not None:
         return model, open_trusted_normalizer(normalizer)
     return model, identity_normalizer(sum(model.observation_space.shape or ()))

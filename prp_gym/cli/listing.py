@@ -13,9 +13,9 @@ from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.options import Plugins
 from prp_gym.cli.terminal import make_console, make_matrix
 from prp_gym.envs.action_mode import TORQUE
-from prp_gym.registration import ENVIRONMENTS
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tasks.spec import TASKS
 
 
 def list_command(
@@ -41,7 +41,7 @@ def list_command(
 def _layouts() -> dict[str, ObservationLayout]:
     """What every environment observes, by id."""
     layouts = {}
-    for entry in ENVIRONMENTS:
+    for entry in TASKS.values():
         made = gymnasium.make(entry.id)
         layouts[entry.id] = made.get_wrapper_attr("observation_layout")
         made.close()
@@ -57,7 +57,7 @@ def _table(title: str, headers: tuple[str, ...]) -> Table:
 
 def _environments(layouts: dict[str, ObservationLayout]) -> Table:
     table = _table("environments", ("id", "task", "observation fields"))
-    for entry in ENVIRONMENTS:
+    for entry in TASKS.values():
         table.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
     return table
 

@@ -22,7 +22,7 @@ from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
-from prp_gym.evaluation.results import prepare_folder, to_plain, write_file
+from prp_gym.artifacts import prepare_folder, to_plain, write_file
 from prp_gym.runs.workers import Workers
 
 SCENARIOS = ("randomized", "realistic")

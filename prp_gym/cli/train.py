@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import gymnasium
 import typer
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.cli.options import Backend, Plugins
@@ -37,7 +38,7 @@ def train_command(
     manifest: Annotated[
         Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
     ] = None,
-    algo: Annotated[str, typer.Option(help="ppo, sac, td3, tqc or recurrent_ppo.")] = "ppo",
+    algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
     action_mode: Annotated[
         str | None, typer.Option(help="What actions mean. Default: what the recipe says.")
     ] = None,

@@ -6,7 +6,8 @@ from typing import TypeVar
 import numpy as np
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation import joint_metrics, response
+from prp_gym.evaluation import response
+from prp_gym.evaluation.metrics import joint
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.reproduction.predictions import error_decay
 from prp_gym.reproduction.signals import series
@@ -98,7 +99,7 @@ def _one_by_one(responses: Array) -> tuple[Array, Array]:
 @_measurement
 def overshoot(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
     """Largest excess of an error signal beyond zero, as a share of its first value [%]."""
-    return joint_metrics.overshoot(*_one_by_one(_response(rollout, signal, until, components)))
+    return joint.overshoot(*_one_by_one(_response(rollout, signal, until, components)))
 
 
 @_measurement
@@ -112,7 +113,7 @@ def peak_time(rollout: Rollout, signal: str, until: float = np.inf, components: 
 def settling_time(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
     """When an error signal has come within 2 % of its first value for good [s]; infinite if never."""
     responses = _response(rollout, signal, until, components)
-    return joint_metrics.settling_time(rollout.time[: len(responses)], *_one_by_one(responses))
+    return joint.settling_time(rollout.time[: len(responses)], *_one_by_one(responses))
 
 
 @_measurement

@@ -14,10 +14,10 @@ from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.rollout import Policy, Rollout
-from prp_gym.registration import list_envs
 from prp_gym.reproduction.experiment import Run
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import NOMINAL
+from prp_gym.tasks.registration import list_envs
 
 SCENARIO = "report"
 

@@ -7,11 +7,11 @@ from typing import Self
 
 from prp_gym.baselines import CONTROLLERS
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.registration import list_envs
 from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import EvaluationJob
 from prp_gym.runs.user_code import UserCode
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 

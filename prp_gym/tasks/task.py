@@ -1,49 +1,27 @@
-"""What a task is: how an episode starts, what is observed and rewarded, and what is drawn."""
+"""`Task`: what is asked of N robots, composed of the parts that its declaration names."""
 
-from abc import ABC, abstractmethod
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Generic, TypeVar
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.physics.batch_simulation import Simulation
-from prp_gym.physics.rendering import OverlayItem
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
-from prp_gym.tasks.fields import MEASURED_FIELDS, Field, ObservationLayout
+from prp_gym.tasks.fields import Field, ObservationLayout
+from prp_gym.tasks.parts import ErrorFunction, Reference, ResetOption, StartSampler, World
 from prp_gym.tasks.reward import RewardTerm
 from prp_gym.tasks.scenario import Range, Scenario
+from prp_gym.tasks.spec import TaskSpec
 
-
-@dataclass(frozen=True, eq=False)
-class EpisodeStart:
-    """How one episode of one environment starts.
-
-    Attributes:
-        joint_position: (joints) [rad, m, rad].
-        joint_velocity: (joints) per second.
-    """
-
-    joint_position: Array
-    joint_velocity: Array
-
-
-@dataclass(frozen=True)
-class ResetOption:
-    """A value that `reset(options=...)` takes in place of what is drawn.
-
-    Attributes:
-        shape: () or (size,).
-        unit: of its components.
-        description: what it is.
-    """
-
-    shape: tuple[int, ...]
-    unit: str
-    description: str
+if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
+    from prp_gym.physics.batch_simulation import Simulation
+    from prp_gym.physics.rendering import OverlayItem
 
 
 @dataclass(frozen=True)
@@ -51,138 +29,172 @@ class TaskNumbers:
     """A task's numbers, as they stand in its data file.
 
     Attributes:
-        reward: the reward's terms.
-        ranges: by name of a draw (`report`, `randomized`), from which starts and goals are drawn.
-        constants: other numbers by name, with their units in the data file.
+        reward: Terms of the reward.
+        ranges: Ranges from which starts and goals are drawn, by name of a kind of draws (`report`,
+            `randomized`).
+        constants: Other numbers by name, with their units in the data file.
     """
 
     reward: tuple[RewardTerm, ...]
     ranges: Mapping[str, Mapping[str, Range]]
     constants: Mapping[str, Any] = field(default_factory=dict)
 
+    @classmethod
+    def read(cls, path: Path) -> "TaskNumbers":
+        """The numbers of a TOML file: tables `reward`, `constants`, and one a kind of draws."""
+        table = _read_table(path)
+        reward = tuple(RewardTerm.from_table(name, row) for name, row in table["reward"].items())
+        ranges = {
+            kind: {name: Range.from_table(row) for name, row in rows.items()}
+            for kind, rows in table.items()
+            if kind not in ("reward", "constants")
+        }
+        return cls(reward, ranges, table.get("constants", {}))
+
+
+@cache
+def _read_table(path: Path) -> dict[str, Any]:
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
 
 @dataclass(frozen=True)
-class NoOptions:
-    """The keywords of a task that has none of its own."""
+class TaskSetup:
+    """What the parts of a task are made from.
+
+    Attributes:
+        numbers: Numbers of the task's data file.
+        scenario: Conditions of the episodes.
+        options: Keywords of the task's own.
+        period: Control period [s].
+    """
+
+    numbers: TaskNumbers
+    scenario: Scenario
+    options: Any
+    period: float
+
+    @property
+    def ranges(self) -> Mapping[str, Range]:
+        """The ranges from which this scenario draws."""
+        return self.numbers.ranges[self.scenario.draws]
 
 
-StartT = TypeVar("StartT", bound=EpisodeStart)
+@dataclass(frozen=True, eq=False)
+class TaskParts:
+    """What a task is composed of.
+
+    Attributes:
+        world: The robot and its surroundings.
+        starts: Sampler of starts.
+        reference: Reference trajectories of all environments.
+        errors: Errors that the reward judges.
+    """
+
+    world: World[Any]
+    starts: StartSampler[Any]
+    reference: Reference
+    errors: ErrorFunction
 
 
-class Task(ABC, Generic[StartT]):
+def observed_layout(world: World[Any], reference: Reference) -> ObservationLayout:
+    """The layout of an observation: what is measured of a world, then the reference."""
+    return ObservationLayout((*world.measured_fields, *reference.fields))
+
+
+class Task:
     """The goal of N environments at once: it judges, and neither counts time nor moves the robot.
 
     Args:
-        numbers: from the task's data file.
-        scenario: the conditions of the episodes.
-        options: the task's own keywords.
-        period: of control [s].
+        spec: Declaration of the task.
+        setup: Numbers, scenario, keywords and period.
 
     Attributes:
-        environment_id: under which Gymnasium knows the task.
-        measured_fields: what is observed of the robot, in the order of the physics' measurement.
-        reference_fields: what is observed of the goal.
-        judged_fields: what is recorded and judged beside the observation, and not observed.
-        reset_options: what `reset(options=...)` takes, by name.
-        model: the nominal robot, whatever the plant really is.
-        ranges: from which this scenario draws.
-        layout: of the observation.
-        ground_truth_layout: of the true values: those of the observation, and the judged fields.
+        spec: Declaration of the task.
+        numbers: Numbers of the task's data file.
+        scenario: Conditions of the episodes.
+        options: Keywords of the task's own.
+        period: Control period [s].
+        ranges: Ranges from which this scenario draws.
+        parts: World, start sampler, reference and error function.
+        layout: Layout of the observation.
+        ground_truth_layout: Layout of the ground truth: the observation's fields, then the judged ones.
     """
 
-    environment_id: ClassVar[str]
-    measured_fields: ClassVar[tuple[Field, ...]] = MEASURED_FIELDS
-    reference_fields: ClassVar[tuple[Field, ...]]
-    judged_fields: ClassVar[tuple[Field, ...]] = ()
-    reset_options: ClassVar[Mapping[str, ResetOption]]
-    model: PRPArm | Link
+    def __init__(self, spec: TaskSpec, setup: TaskSetup) -> None:
+        self.spec = spec
+        self.numbers, self.scenario = setup.numbers, setup.scenario
+        self.options, self.period, self.ranges = setup.options, setup.period, setup.ranges
+        self.parts = spec.entry.compose(setup)
+        self.layout = observed_layout(self.parts.world, self.parts.reference)
+        self.ground_truth_layout = ObservationLayout((*self.layout.fields, *self.parts.errors.judged_fields))
 
-    def __init__(self, numbers: TaskNumbers, scenario: Scenario, options: Any, period: float) -> None:
-        self.numbers = numbers
-        self.scenario = scenario
-        self.options = options
-        self.period = period
-        self.ranges: Mapping[str, Range] = numbers.ranges[scenario.draws]
-        observed = (*self.measured_fields, *self.reference_fields)
-        self.layout = ObservationLayout(observed)
-        self.ground_truth_layout = ObservationLayout((*observed, *self.judged_fields))
+    @property
+    def environment_id(self) -> str:
+        """Under which Gymnasium knows the task."""
+        return self.spec.id
+
+    @property
+    def model(self) -> PRPArm | Link:
+        """The nominal robot, whatever the plant is."""
+        return self.parts.world.model
+
+    @property
+    def measured_fields(self) -> tuple[Field, ...]:
+        """What is observed of the robot, in the order of the physics' measurement."""
+        return self.parts.world.measured_fields
+
+    @property
+    def reset_options(self) -> Mapping[str, ResetOption]:
+        """What `reset(options=...)` takes, by name."""
+        return self.parts.starts.reset_options
 
     @property
     def target_impedance(self) -> Mapping[str, Array]:
-        """What the robot is to behave like: `inertia`, `damping`, `stiffness` (6) of a target, or nothing."""
-        return {}
+        """The impedance that the robot is to show: axes (6) of `inertia`, `damping`, `stiffness`, or none."""
+        return self.parts.errors.target_impedance
 
-    @abstractmethod
-    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
-        """The world of N environments, integrated in steps of `timestep` [s]."""
+    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> "Simulation":
+        """See `World.make_physics`."""
+        return self.parts.world.make_physics(timestep, num_envs, num_threads)
 
-    @abstractmethod
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> StartT:
-        """Draw how one episode starts.
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> Any:
+        """See `StartSampler.draw`."""
+        return self.parts.starts.draw(rng, options)
 
-        Args:
-            rng: the environment's own generator; the same draws are made whatever the options.
-            options: validated values, by names of `reset_options`, that replace what was drawn.
-
-        Returns:
-            the start.
-
-        Raises:
-            JointLimitError: a start or goal outside the joint limits.
-            InvalidValueError: another value that is not allowed.
-        """
-
-    @abstractmethod
     def draw_plant(self, rng: np.random.Generator) -> Any:
-        """Draw how the robot of one episode differs from the nominal one."""
+        """See `World.draw_plant`."""
+        return self.parts.world.draw_plant(rng)
 
-    @abstractmethod
-    def place(
-        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[StartT], plants: Sequence[Any]
+    def configure(
+        self, physics: "Simulation", ids: NDArray[np.intp], starts: Sequence[Any], plants: Sequence[Any]
     ) -> None:
-        """Give the worlds of some environments (n) the plants and surroundings of their new episodes."""
+        """See `World.configure`."""
+        self.parts.world.configure(physics, ids, starts, plants)
 
-    @abstractmethod
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[StartT]) -> None:
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         """Take up new episodes in some environments (n), the rest untouched.
 
         The first call covers every environment.
         """
+        self.parts.reference.begin(ids, starts)
+        self.parts.errors.begin(ids, starts)
 
-    @abstractmethod
     def reference(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
-        """The reference part of the observations.
-
-        Args:
-            time: (..., n) since the start of each episode [s].
-            ids: (n) the environments, or None for all.
-
-        Returns:
-            (..., n, size of the reference fields).
-        """
+        """See `Reference.sample`."""
+        return self.parts.reference.sample(time, ids)
 
     def advance(self, ground_truth: Array) -> None:
-        """Let what the task itself integrates go on by one period.
-
-        Args:
-            ground_truth: (N, truth_layout.size) at the period's end, all but the judged fields.
-        """
+        """See `ErrorFunction.advance`."""
+        self.parts.errors.advance(ground_truth)
 
     def complete(self, ground_truth: Array) -> None:
-        """Write the judged fields into true values (N, truth_layout.size), in place."""
+        """See `ErrorFunction.complete`."""
+        self.parts.errors.complete(ground_truth)
 
-    @abstractmethod
     def errors(self, ground_truth: Array, torque: Array) -> Array:
-        """The errors that the reward's terms judge, in the terms' order and units.
+        """See `ErrorFunction.errors`."""
+        return self.parts.errors.errors(ground_truth, torque)
 
-        Args:
-            ground_truth: (..., truth_layout.size), after the step.
-            torque: (..., joints) commanded torque, within the actuator limits [N m, N, N m].
-
-        Returns:
-            (..., terms, width), width that of the longest term; the rest of a shorter one is zero.
-        """
-
-    @abstractmethod
-    def overlay(self, index: int, duration: float) -> list[OverlayItem]:
-        """What to draw for one environment: goal and reference path, over a duration [s]."""
+    def overlay(self, index: int, duration: float) -> list["OverlayItem"]:
+        """See `Reference.overlay`."""
+        return self.parts.reference.overlay(index, duration)

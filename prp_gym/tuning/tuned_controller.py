@@ -11,7 +11,7 @@ from typing import Any
 from prp_gym.artifacts import read_json
 from prp_gym.baselines import CONTROLLERS, Baseline, ControlInterface, make_baseline
 from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
-from prp_gym.registration import list_envs
+from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
 

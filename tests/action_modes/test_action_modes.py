@@ -11,7 +11,6 @@ import prp_gym
 from prp_gym.action_modes import RESIDUAL_SHARE, list_action_modes, make_action_mode
 from prp_gym.baselines import BASELINES, make_baseline
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.tasks.impedance import ImpedanceEnv
 from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
 from prp_gym.evaluation.batch import record_episodes
 from prp_gym.evaluation.rollout import Rollout
@@ -142,12 +141,6 @@ def test_law_is_refused_where_actions_are_no_torques() -> None:
         make_baseline("impedance", env)
     with pytest.raises(InvalidValueError, match="'torque'"):
         make_baseline("impedance", gymnasium.make_vec("PRP-Impedance-v0", 2, action_mode="impedance"))
-
-
-def test_class_made_without_registration_knows_torques_alone() -> None:
-    assert ImpedanceEnv().action_mode == "torque"
-    with pytest.raises(UnknownNameError, match=r"unknown action_mode 'impedance'\. Valid: torque\."):
-        ImpedanceEnv(action_mode="impedance")
 
 
 @pytest.mark.parametrize(("environment_id", "mode"), [pair for pair in PAIRS if "residual" in pair[1]])

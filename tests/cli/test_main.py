@@ -14,8 +14,8 @@ from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
-from prp_gym.registration import ENVIRONMENTS
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tasks.spec import TASKS
 from tests.cli.test_evaluate_output import COMMON_SETS, WIDTH, results_of
 
 RUNNER = CliRunner()
@@ -134,7 +134,7 @@ def test_list_shows_every_environment_law_scenario_and_gain_set() -> None:
     ]
     assert set(shown) <= set(words)
     for summary in (
-        *(entry.summary for entry in ENVIRONMENTS),
+        *(entry.summary for entry in TASKS.values()),
         *(controller.summary for controller in BASELINES.values()),
     ):
         assert set(re.split(r"[\s,]+", summary)) <= set(words)  # a long one takes several lines

@@ -12,9 +12,13 @@ import pytest
 import prp_gym
 from prp_gym import envs
 from prp_gym.baselines import BASELINES
+from prp_gym.envs.base.tracking_starts import ReferenceSampler
+from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.envs.loop_environment import LoopEnvironment
 from prp_gym.errors import PRPError, UnknownNameError
-from prp_gym.registration import ENVIRONMENTS, register_environments
-from prp_gym.tasks.task import NoOptions
+from prp_gym.tasks.parts import ErrorFunction, Reference, StartSampler, World
+from prp_gym.tasks.registration import register_environments
+from prp_gym.tasks.spec import TASKS
 
 HEAVY = ("rich", "typer", "torch", "stable_baselines3", "matplotlib", "mujoco", "pinocchio")
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
@@ -81,7 +85,7 @@ def test_import_registers_every_environment_with_gymnasium() -> None:
     code = "import gymnasium, json, prp_gym; print(json.dumps(list(gymnasium.registry)))"
     registered = in_fresh_python(code)
     assert set(prp_gym.list_envs()) == {name for name in registered if name.startswith("PRP-")}
-    assert prp_gym.list_envs() == [entry.id for entry in ENVIRONMENTS]
+    assert prp_gym.list_envs() == list(TASKS)
 
 
 def test_registering_again_changes_nothing() -> None:
@@ -155,12 +159,21 @@ def test_name_of_the_environments_package_exists(name: str) -> None:
     assert getattr(envs, name).__name__ == name
 
 
-@pytest.mark.parametrize("environment_id", prp_gym.list_envs())
-def test_environments_with_their_tasks_and_keywords_are_public(environment_id: str) -> None:
-    env = gymnasium.make(environment_id).unwrapped
-    assert isinstance(env, envs.PRPEnv)
-    needed = {type(env), env.task_class, env.options_class} - {NoOptions}
-    assert {kind.__name__ for kind in needed} <= set(envs.__all__)
-    assert len(set(envs.__all__)) == len(envs.__all__)
-    for kind in needed:
-        assert getattr(envs, kind.__name__) is kind
+def test_no_environment_or_task_class_is_deeper_than_three_of_ours() -> None:
+    import importlib
+    import inspect
+    import pkgutil
+
+    roots = (LoopEnvironment, EpisodeLoop, World, StartSampler, Reference, ErrorFunction, ReferenceSampler)
+    modules = [
+        importlib.import_module(found.name)
+        for found in pkgutil.walk_packages(envs.__path__, f"{envs.__name__}.")
+    ]
+    kinds = {kind for module in modules for _, kind in inspect.getmembers(module, inspect.isclass)}
+    chains = {
+        kind: [base for base in kind.__mro__ if base.__module__.startswith("prp_gym")]
+        for kind in kinds
+        if issubclass(kind, roots)
+    }
+    assert len(chains) > 20
+    assert {kind for kind, chain in chains.items() if len(chain) > 3} == set()

@@ -2,21 +2,24 @@
 
 import subprocess
 import sys
-from importlib import import_module
+from dataclasses import replace
+from typing import Any
 
 import gymnasium
 import pytest
 
 import prp_gym
 from prp_gym.envs import PRPEnv
-from prp_gym.registration import ENVIRONMENTS, EnvironmentEntry, register_environments
+from prp_gym.errors import InvalidValueError
+from prp_gym.tasks.registration import register_environments, register_task
+from prp_gym.tasks.spec import TASKS, TaskSpec
 
 TIMEOUT = 120.0  # of a new interpreter that imports MuJoCo [s]
 
 
-@pytest.fixture(params=ENVIRONMENTS, ids=lambda entry: entry.id)
-def entry(request: pytest.FixtureRequest) -> EnvironmentEntry:
-    assert isinstance(request.param, EnvironmentEntry)
+@pytest.fixture(params=TASKS.values(), ids=lambda entry: entry.id)
+def entry(request: pytest.FixtureRequest) -> TaskSpec:
+    assert isinstance(request.param, TaskSpec)
     return request.param
 
 
@@ -30,36 +33,58 @@ def run(code: str) -> str:
 
 def test_listed_ids_are_exactly_those_known_to_gymnasium() -> None:
     known = [name for name, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("prp_gym")]
-    assert prp_gym.list_envs() == known
+    assert sorted(prp_gym.list_envs()) == sorted(known)
     assert len(set(known)) == len(known) > 0
 
 
-def test_ids_are_named_and_versioned_alike(entry: EnvironmentEntry) -> None:
+def test_ids_are_named_and_versioned_alike(entry: TaskSpec) -> None:
     namespace, name, version = gymnasium.envs.registration.parse_env_id(entry.id)
     assert namespace is None
     assert name.startswith("PRP-")
     assert version is not None
 
 
-def test_id_leads_to_its_own_environment(entry: EnvironmentEntry) -> None:
+def test_id_leads_to_its_own_environment(entry: TaskSpec) -> None:
     env = gymnasium.make(entry.id)
     inner = env.unwrapped
     assert isinstance(inner, PRPEnv)
     assert inner.task.environment_id == entry.id
     assert inner.spec is not None
     assert inner.spec.id == entry.id
-    module, _, name = entry.entry_point.partition(":")
-    assert type(inner) is getattr(import_module(module), name)
+    assert inner.task_spec is entry
     assert entry.summary
+    assert entry.entry.compose.__doc__
 
 
-def test_entries_and_classes_are_one_to_one() -> None:
-    assert len({entry.entry_point for entry in ENVIRONMENTS}) == len(ENVIRONMENTS)
-    assert len({entry.summary for entry in ENVIRONMENTS}) == len(ENVIRONMENTS)
+def test_declarations_are_told_apart() -> None:
+    specs = list(TASKS.values())
+    assert len({spec.summary for spec in specs}) == len({spec.numbers for spec in specs}) == len(specs)
+
+
+def test_id_follows_from_the_name_of_the_file(entry: TaskSpec) -> None:
+    name = entry.numbers.stem
+    assert entry.id == f"PRP-{name.title().replace('_', '')}-v0"
+    assert entry.numbers.with_suffix(".py").is_file()
+    assert entry.entry.compose.__module__ == f"prp_gym.envs.tasks.{name}"
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"summary": "another task of the same id"}, "name of environment is 'PRP-Force-v0'"),
+        ({"id": "PRP Force"}, "name of environment is 'PRP Force'"),
+        ({"id": "PRP-New-v0", "revision": 0}, "revision of environment 'PRP-New-v0' is 0"),
+    ],
+)
+def test_declaration_that_cannot_be_registered_is_refused(changes: dict[str, Any], what: str) -> None:
+    before = list(TASKS), set(gymnasium.registry)
+    with pytest.raises(InvalidValueError, match=what):
+        register_task(replace(TASKS["PRP-Force-v0"], **changes))
+    assert (list(TASKS), set(gymnasium.registry)) == before
 
 
 def test_registering_again_changes_nothing() -> None:
-    before = {entry.id: gymnasium.registry[entry.id] for entry in ENVIRONMENTS}
+    before = {entry.id: gymnasium.registry[entry.id] for entry in TASKS.values()}
     register_environments()  # Gymnasium warns when an id is overridden, and warnings are errors here
     assert all(gymnasium.registry[name] is spec for name, spec in before.items())
 
@@ -69,7 +94,7 @@ def test_list_is_the_callers_own() -> None:
     assert prp_gym.list_envs()
 
 
-def test_make_finds_the_package_by_prefix_without_an_import(entry: EnvironmentEntry) -> None:
+def test_make_finds_the_package_by_prefix_without_an_import(entry: TaskSpec) -> None:
     code = (
         "import gymnasium, sys; assert 'prp_gym' not in sys.modules;"
         f"env = gymnasium.make('prp_gym:{entry.id}', scenario='report');"

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.envs import JointRegulation, JointRegulationEnv, JointTrackingEnv
+from prp_gym.envs import PRPEnv
 from prp_gym.envs.config import (
     RENDER_MODES,
     SUBSTEPS_PER_SECOND,
@@ -210,18 +210,18 @@ def test_unknown_keyword_is_refused_with_common_and_own_ones_listed() -> None:
 )
 def test_wrong_keyword_is_refused(keyword: str, value: Any, kind: type[PRPError]) -> None:
     with pytest.raises(kind, match=keyword):
-        JointTrackingEnv(**{keyword: value})
+        PRPEnv("PRP-JointTracking-v0", **{keyword: value})
 
 
 def test_wrong_keyword_is_refused_through_make_too() -> None:
     with pytest.raises(UnknownNameError, match="unknown environment keyword 'gravity'") as caught:
-        gymnasium.make(JointRegulation.environment_id, gravity=1.6)
+        gymnasium.make("PRP-JointRegulation-v0", gravity=1.6)
     assert {"control_frequency", "torque_limit"} < set(caught.value.valid)
 
 
 def test_keyword_of_one_task_is_unknown_to_another() -> None:
     with pytest.raises(UnknownNameError, match="environment keyword 'reference'"):
-        JointRegulationEnv(reference="sine")
+        PRPEnv("PRP-JointRegulation-v0", reference="sine")
 
 
 def test_refusals_can_be_caught_as_this_packages_error_or_as_value_error() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import prp_gym
-from prp_gym.envs import EnvConfig, JointRegulation, JointRegulationEnv, JointTracking, PRPEnv
+from prp_gym.envs import EnvConfig, PRPEnv
 from prp_gym.errors import (
     EpisodeError,
     InvalidValueError,
@@ -29,7 +29,7 @@ from prp_gym.tasks import Task
 from prp_gym.tasks.fields import POSITION_BOUND, SPEED_BOUND
 
 ENVIRONMENT_IDS = prp_gym.list_envs()
-REGULATION, TRACKING = JointRegulation.environment_id, JointTracking.environment_id
+REGULATION, TRACKING = "PRP-JointRegulation-v0", "PRP-JointTracking-v0"
 STILL = np.zeros(3)
 NAN = np.nan
 
@@ -162,7 +162,7 @@ def test_reset_option_error_keeps_its_facts() -> None:
     assert outside.value.limits == (-np.pi, np.pi)
     with pytest.raises(UnknownNameError) as unknown:
         made().reset(options={"gaol": STILL})
-    assert unknown.value.valid == tuple(sorted(JointRegulation.reset_options))
+    assert unknown.value.valid == tuple(sorted(PRPEnv("PRP-JointRegulation-v0").task.reset_options))
 
 
 @pytest.mark.parametrize(
@@ -259,7 +259,7 @@ def test_window_without_a_display_is_refused(monkeypatch: pytest.MonkeyPatch) ->
         monkeypatch.delenv(name, raising=False)
     assert "human" not in made().metadata["render_modes"]
     with pytest.raises(RenderingError, match="no display"):
-        JointRegulationEnv(render_mode="human")
+        PRPEnv("PRP-JointRegulation-v0", render_mode="human")
     monkeypatch.setenv("DISPLAY", ":0")
     assert "human" in made().metadata["render_modes"]
 
@@ -274,9 +274,9 @@ def test_state_of_another_tasks_environment_is_refused_and_changes_nothing() -> 
     env.reset(seed=0)
     other.reset(seed=0)
     before = pickle.dumps(env.get_state())
-    with pytest.raises(InvalidValueError, match="saved state's task is 'JointTracking'") as caught:
+    with pytest.raises(InvalidValueError, match="saved state's task is 'PRP-JointTracking-v0'") as caught:
         env.set_state(other.get_state())
-    assert caught.value.allowed == "JointRegulation"
+    assert caught.value.allowed == "PRP-JointRegulation-v0"
     assert pickle.dumps(env.get_state()) == before
 
 

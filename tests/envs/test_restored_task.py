@@ -1,32 +1,45 @@
 """A restored environment goes on with the task of the saved one, whatever that remembers."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from prp_gym.envs import JointRegulation, JointRegulationEnv
+from prp_gym.envs import PRPEnv
+from prp_gym.envs.base.motion_errors import JointErrors
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.trajectory_task import TrajectoryStart
+from prp_gym.tasks.spec import TASKS, TaskEntry
+from prp_gym.tasks.task import TaskParts, TaskSetup
+
+REGULATION = TASKS["PRP-JointRegulation-v0"]
 
 
-class RestlessTask(JointRegulation):
-    """Its errors depend on what it drew at an episode's start."""
+class RestlessErrors(JointErrors):
+    """They depend on what was drawn at an episode's start."""
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[TrajectoryStart]) -> None:
-        super().begin(ids, starts)
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         self.weight = 1.0 + abs(float(starts[0].joint_position[0]))
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         return self.weight * super().errors(ground_truth, torque)
 
 
-class RestlessEnv(JointRegulationEnv):
-    task_class = RestlessTask
+def compose(setup: TaskSetup) -> TaskParts:
+    """Regulation, judged by errors with a state of their own."""
+    parts = REGULATION.entry.compose(setup)
+    return replace(parts, errors=RestlessErrors(REGULATION_LAYOUT))
 
 
-def test_restored_environment_is_judged_by_the_restored_task() -> None:
-    env, other = RestlessEnv(), RestlessEnv()
+REGULATION_LAYOUT = PRPEnv(REGULATION.id).task.layout
+
+
+def test_restored_environment_is_judged_by_the_restored_task(monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = replace(REGULATION, id="PRP-Restless-v0", entry=TaskEntry(compose))
+    monkeypatch.setitem(TASKS._specs, spec.id, spec)
+    env, other = PRPEnv(spec.id), PRPEnv(spec.id)
     env.reset(seed=0)
     other.reset(seed=1)
     other.set_state(env.get_state())

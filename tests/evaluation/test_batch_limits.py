@@ -8,7 +8,7 @@ import pytest
 
 import prp_gym
 from prp_gym.baselines import make_baseline
-from prp_gym.envs import JointTrackingEnv, PRPEnv
+from prp_gym.envs import PRPEnv
 from prp_gym.evaluation import batch, evaluate
 from prp_gym.evaluation.batch import can_batch, record_episodes
 from tests.evaluation.test_batch import assert_same
@@ -18,21 +18,21 @@ TRACKING = "PRP-JointTracking-v0"
 JOINTS, LAYERS, HIDDEN = 3, 2, 4
 
 
-class Slower(JointTrackingEnv):
+class Slower(PRPEnv):
     """Steps in its own way."""
 
     def step(self, action: Any) -> Any:
         return super().step(0.5 * np.asarray(action))
 
 
-class Elsewhere(JointTrackingEnv):
+class Elsewhere(PRPEnv):
     """Resets in its own way."""
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> Any:
         return super().reset(seed=seed, options={"joint_position": (0.3, -0.1, 0.2)})
 
 
-class Renamed(JointTrackingEnv):
+class Renamed(PRPEnv):
     """Changes nothing."""
 
 
@@ -76,7 +76,7 @@ class Remembering(Recurrent):
 
 
 def own(kind: type[PRPEnv], **keywords: Any) -> PRPEnv:
-    return kind(scenario="randomized", duration=0.1, **keywords)
+    return kind(TRACKING, scenario="randomized", duration=0.1, **keywords)
 
 
 @pytest.mark.parametrize("kind", [Slower, Elsewhere])
@@ -85,8 +85,8 @@ def test_environment_that_steps_or_resets_in_its_own_way_is_played_one_by_one(ki
 
 
 def test_own_step_and_reset_take_effect_in_an_evaluation() -> None:
-    policy = make_baseline("joint_pd", own(JointTrackingEnv))
-    plain = evaluate(policy, own(JointTrackingEnv), episodes=3).rollouts
+    policy = make_baseline("joint_pd", own(PRPEnv))
+    plain = evaluate(policy, own(PRPEnv), episodes=3).rollouts
     for rollout, other in zip(evaluate(policy, own(Slower), episodes=3).rollouts, plain, strict=True):
         # float32
         np.testing.assert_allclose(rollout.applied_torque[0], 0.5 * other.applied_torque[0], rtol=1e-6)
@@ -112,7 +112,7 @@ def test_environment_that_somebody_looks_at_is_played_one_by_one(mode: str) -> N
 
 def test_many_episodes_are_played_in_parts_and_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     assert batch._SIDE_BY_SIDE == 64
-    env = own(JointTrackingEnv)
+    env = own(PRPEnv)
     policy = make_baseline("adaptive", env)
     whole = record_episodes(policy, env, range(3, 10))
     monkeypatch.setattr(batch, "_SIDE_BY_SIDE", 3)
@@ -126,7 +126,7 @@ def test_many_episodes_are_played_in_parts_and_are_the_same(monkeypatch: pytest.
 
 
 def test_at_most_sixty_four_episodes_are_played_side_by_side() -> None:
-    env = JointTrackingEnv(scenario="randomized", duration=0.004)
+    env = PRPEnv(TRACKING, scenario="randomized", duration=0.004)
     spied = Recurrent()
     rollouts = record_episodes(spied, env, range(130))
     assert [rollout.seed for rollout in rollouts] == list(range(130))
@@ -136,7 +136,7 @@ def test_at_most_sixty_four_episodes_are_played_side_by_side() -> None:
 
 @pytest.mark.parametrize("kind", [Recurrent, Remembering])
 def test_recurrent_policy_keeps_its_state_and_is_timed_on_first_actions(kind: type[Recurrent]) -> None:
-    env, policy = own(JointTrackingEnv), kind()
+    env, policy = own(PRPEnv), kind()
     rollouts = record_episodes(policy, env, range(5))
     # asked for the first action once for all episodes, and once a step, 50 of them, to be timed
     assert sorted(policy.first) == [1] * 50 + [5]

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.envs import JointRegulation, PRPEnv
+from prp_gym.envs import PRPEnv
 from tests.support.pinocchio_model import PinocchioArm
 
 Vector3 = tuple[float, float, float]
@@ -16,9 +16,7 @@ STILL = np.zeros(3)
 
 
 def environment(**keywords: Any) -> PRPEnv:
-    env = gymnasium.make(
-        JointRegulation.environment_id, scenario="report", duration=DURATION, **keywords
-    ).unwrapped
+    env = gymnasium.make("PRP-JointRegulation-v0", scenario="report", duration=DURATION, **keywords).unwrapped
     assert isinstance(env, PRPEnv)
     return env
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.contact_task import ContactStart, ContactTask
+from prp_gym.envs.base.contact_starts import ContactStart, ContactWorld
 from prp_gym.physics import TIP_RADIUS, Physics, PhysicsSettings, Surface
 from prp_gym.robot.arrays import Array
 from tests.support.contact_episodes import ARM, CONTACT_IDS, depth_of, environment, ground_truth_of
@@ -32,7 +32,7 @@ def begun(environment_id: str, seed: int, scenario: str, **options: Any) -> tupl
     """The world at the start of an episode, and how that was drawn."""
     env: PRPEnv = environment(environment_id, scenario=scenario)
     env.reset(seed=seed, options=options)
-    assert isinstance(env.task, ContactTask)
+    assert isinstance(env.task.parts.world, ContactWorld)
     assert isinstance(env.physics, Physics)
     given = {name: np.array(value, dtype=np.float64) for name, value in options.items()}
     start = env.task.draw(np.random.default_rng(seed), given)

@@ -10,13 +10,13 @@ import pytest
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
-from prp_gym.registration import list_envs
 from prp_gym.reproduction import FigureOutcome, Run, Verdict, judge, load_catalogue, play
 from prp_gym.reproduction.catalogue import CHAPTERS
 from prp_gym.reproduction.experiment import Number, Prediction
 from prp_gym.reproduction.outcome import fill, placeholders, show
 from prp_gym.reproduction.predictions import FORMULAS
 from prp_gym.reproduction.run import StateRecorder, check_names
+from prp_gym.tasks.registration import list_envs
 
 CATALOGUE = load_catalogue()
 FIGURES = [5, 6, 7, 8, *range(11, 17), 19, 20, 23, 24, 27, 28, 30, 31, 32, 35, 36, 37, 40, 41, 42, 45, 46, 49]

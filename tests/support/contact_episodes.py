@@ -7,11 +7,12 @@ import numpy as np
 
 import prp_gym
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.contact_task import ContactStart, ContactTask
+from prp_gym.envs.base.contact_starts import ContactStart, ContactWorld
 from prp_gym.envs.tasks.force_position import ReachWaypoints
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import Constant, QuinticWaypoints, Trajectory
+from prp_gym.tasks.task import Task
 
 ARM = PRPArm()
 KOLMOGOROV = 1.95  # of sqrt(n) D, exceeded once in a thousand samples
@@ -28,13 +29,13 @@ CONTACT_IDS = [
 ]
 
 
-def task_of(environment_id: str, scenario: str = "randomized", **keywords: Any) -> ContactTask:
+def task_of(environment_id: str, scenario: str = "randomized", **keywords: Any) -> Task:
     task = environment(environment_id, scenario=scenario, **keywords).task
-    assert isinstance(task, ContactTask)
+    assert isinstance(task.parts.world, ContactWorld)
     return task
 
 
-def draw(task: ContactTask, seed: int, **options: Any) -> ContactStart:
+def draw(task: Task, seed: int, **options: Any) -> ContactStart:
     given = {name: np.array(value, dtype=np.float64) for name, value in options.items()}
     start = task.draw(np.random.default_rng(seed), given)
     assert isinstance(start, ContactStart)

@@ -17,7 +17,7 @@ from prp_gym.agents.policy.features import TrackingFeatures
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.network import Network, NetworkShape
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.export import AgentFacts
+from prp_gym.agents.training.export import AgentFacts
 from prp_gym.tasks.fields import ObservationLayout
 
 ID = "PRP-JointTracking-v0"  # observes a reference, so that tracking errors are among the features

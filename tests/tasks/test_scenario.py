@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from prp_gym.envs.base.data import load_scenario
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.errors import UnknownNameError
 from prp_gym.tasks import SCENARIOS, Range, Scenario
 

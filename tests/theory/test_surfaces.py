@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import prp_gym
-from prp_gym.envs.base.contact_task import ContactPoint
+from prp_gym.envs.base.contact_starts import ContactPoint
 from prp_gym.robot import PRPArm
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from torch import nn
 from prp_gym.agents.policy.agent_file import load_agent, save_agent
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.export import export_agent, identity_normalizer
+from prp_gym.agents.training.export import export_agent, identity_normalizer
 from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, ShapeError
 from tests.support.made_up_agents import ID, KEYWORDS, RUN, Trained, facts, layout_of, observations, trained
 

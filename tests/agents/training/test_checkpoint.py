@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-from prp_gym.agents.sb3.algorithms import ALGORITHMS
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training import checkpoint
 from prp_gym.agents.training.checkpoint import find_checkpoint, restore_checkpoint, write_checkpoint
 from prp_gym.agents.training.model import make_learner

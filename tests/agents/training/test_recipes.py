@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from prp_gym import list_envs
-from prp_gym.agents.sb3.algorithms import ALGORITHMS, constructor_arguments, parse_schedule
+from prp_gym.agents.algorithms import ALGORITHMS
+from prp_gym.agents.sb3.arguments import constructor_arguments, parse_schedule
 from prp_gym.agents.training.recipes import EPISODES_A_SEED, FIRST_HELD_OUT_SEED, SEEDS, load_recipe
 from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 
@@ -222,7 +223,7 @@ def test_schedule_falls_linearly_to_zero() -> None:
 
 def test_names_become_what_the_algorithm_takes() -> None:
     settings = load_recipe("td3", ID, overrides=["noise_std=0.3", "learning_rate=lin_1e-3"]).settings
-    arguments = constructor_arguments(settings, joints=2)
+    arguments = constructor_arguments(settings, action_size=2)
     assert arguments["policy_kwargs"]["activation_fn"] is torch.nn.ReLU
     assert arguments["learning_rate"](0.5) == 5e-4
     draws = np.array([arguments["action_noise"]() for _ in range(4000)])

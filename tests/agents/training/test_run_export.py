@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.policy.agent_file import load_agent
-from prp_gym.agents.sb3.algorithms import ALGORITHMS
 from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
 from prp_gym.agents.training.recipes import FIRST_HELD_OUT_SEED
 from prp_gym.agents.training.run_export import export_run

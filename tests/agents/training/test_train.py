@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.algorithms import ALGORITHMS
 from prp_gym.agents.training.held_out import HeldOutEpisodes
 from prp_gym.agents.training.model import make_learner
 from prp_gym.agents.training.recipes import load_recipe

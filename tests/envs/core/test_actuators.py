@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from prp_gym.envs.base.data import load_scenario
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.envs.core.actuators import IdealActuators, RealisticActuators, make_actuators
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Scenario

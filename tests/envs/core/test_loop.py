@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import prp_gym
-from prp_gym.envs import EpisodeLoop, JointRegulation, PRPEnv
+from prp_gym.envs import EpisodeLoop, PRPEnv
 from prp_gym.envs.core.info import COMMON_INFO
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import EpisodeError, InvalidValueError, JointLimitError, NonFiniteError, ShapeError
@@ -39,8 +39,8 @@ def kinds() -> list[tuple[str, dict[str, Any]]]:
         env = environment(environment_id)
         limit = env.arm.parameters.torque_limit
         choices: list[dict[str, Any]] = [{}]
-        if any(entry.name == "reference" for entry in fields(env.options_class)):
-            references = import_module(env.options_class.__module__).REFERENCES
+        if any(entry.name == "reference" for entry in fields(env.task_spec.entry.options)):
+            references = import_module(env.task_spec.entry.options.__module__).REFERENCES
             choices = [{"reference": reference} for reference in references]
         listed += [
             (environment_id, {"scenario": name, "torque_limit": limit, **choice})
@@ -55,7 +55,7 @@ def kind_name(kind: tuple[str, dict[str, Any]]) -> str:
 
 
 KINDS = kinds()
-TASK = JointRegulation.environment_id  # where one task stands for all
+TASK = "PRP-JointRegulation-v0"  # where one task stands for all
 
 
 def loop_of(kind: tuple[str, dict[str, Any]], num_envs: int = N, num_threads: int = 1) -> EpisodeLoop:

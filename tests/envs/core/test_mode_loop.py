@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.tasks.impedance import ImpedanceEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from tests.support.made_up_mode import NEVER, WILD, violent_in
 from tests.support.mode_episodes import KINDS, made, random_actions
@@ -120,7 +119,7 @@ def test_state_of_another_mode_is_refused() -> None:
 
 
 def test_state_goes_from_a_registered_environment_to_one_that_is_not() -> None:
-    env, other = made("PRP-Impedance-v0"), ImpedanceEnv()
+    env, other = made("PRP-Impedance-v0"), PRPEnv("PRP-Impedance-v0")
     observation, _ = env.reset(seed=0)
     np.testing.assert_array_equal(other.set_state(env.get_state()), observation)
 

@@ -9,7 +9,7 @@ import pytest
 
 import prp_gym
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.data import load_scenario
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.envs.core.actuators import RealisticActuators
 from prp_gym.envs.core.sensors import IdealSensors, NoisyForceSensor, make_sensors
 from prp_gym.robot.arrays import Array

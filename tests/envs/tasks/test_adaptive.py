@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import EpisodeLoop, PRPEnv
-from prp_gym.envs.tasks.adaptive import AdaptiveTracking, LinkStart
+from prp_gym.envs.tasks.adaptive import LinkStart, LinkWorld
 from prp_gym.errors import EpisodeError, ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
@@ -32,8 +32,10 @@ def plant_options(plant: tuple[float, float, float]) -> dict[str, float]:
 
 
 def draw_from(task: Any, seed: int) -> LinkStart:
-    assert isinstance(task, AdaptiveTracking)
-    return task.draw(np.random.default_rng(seed), {})
+    assert isinstance(task.parts.world, LinkWorld)
+    start = task.draw(np.random.default_rng(seed), {})
+    assert isinstance(start, LinkStart)
+    return start
 
 
 def draw(seed: int, options: dict[str, Any] | None = None, **keywords: Any) -> LinkStart:

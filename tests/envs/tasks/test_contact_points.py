@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.arm_task import check_joint_limits
-from prp_gym.envs.base.contact_task import ContactPoint, ContactStart, ContactTask
+from prp_gym.envs.base.arm_world import check_joint_limits
+from prp_gym.envs.base.contact_starts import ContactPoint, ContactStart, ContactWorld
 from prp_gym.robot.arrays import Array
 from tests.support.contact_episodes import (
     ARM,
@@ -134,7 +134,7 @@ def test_nothing_touches_at_the_start_of_drawn_episodes(environment_id: str) -> 
 def report(environment_id: str, **keywords: Any) -> tuple[PRPEnv, dict[str, Array], ContactStart]:
     env = environment(environment_id, scenario="report", **keywords)
     env.reset(seed=0)
-    assert isinstance(env.task, ContactTask)
+    assert isinstance(env.task.parts.world, ContactWorld)
     return env, ground_truth_of(env), draw(env.task, 0)
 
 

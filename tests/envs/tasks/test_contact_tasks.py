@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.envs.base.contact_task import SURFACE_BOUNDS
+from prp_gym.envs.base.surface_options import SURFACE_BOUNDS
 from prp_gym.errors import (
     InvalidValueError,
     JointLimitError,
@@ -140,7 +140,7 @@ def test_drawn_surface_of_each_environment_is_its_own() -> None:
     starts = [draw(task, seed) for seed in range(3)]
     plants = [task.draw_plant(np.random.default_rng(0)) for _ in starts]
     inside = [start.joint_position for start in starts]
-    task.place(physics, np.arange(3), starts, plants)
+    task.configure(physics, np.arange(3), starts, plants)
     # every tip 0.02 m inside its own surface along the slide, whose direction is the normal's
     for start, q in zip(starts, inside, strict=True):
         slide = start.surface.normal[0] @ (np.sin(q[0]), -np.cos(q[0]), 0.0)

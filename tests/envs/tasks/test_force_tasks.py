@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.contact_task import ContactStart
-from prp_gym.envs.base.force_task import FORCE_BOUNDS, ForceTask
+from prp_gym.envs.base.contact_starts import ContactStart
+from prp_gym.envs.base.force_errors import ForceErrors
+from prp_gym.envs.base.force_options import FORCE_BOUNDS
 from prp_gym.envs.tasks.force_position import ReachWaypoints
 from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, ShapeError, UnknownNameError
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import Constant
+from prp_gym.tasks.task import Task
 from tests.support.contact_episodes import joint_path, joint_targets
 
 FORCE, FORCE_POSITION = "PRP-Force-v0", "PRP-ForcePosition-v0"
@@ -29,13 +31,13 @@ def environment(environment_id: str, **keywords: Any) -> PRPEnv:
     return env
 
 
-def task_of(environment_id: str, **keywords: Any) -> ForceTask:
+def task_of(environment_id: str, **keywords: Any) -> Task:
     task = environment(environment_id, **keywords).task
-    assert isinstance(task, ForceTask)
+    assert isinstance(task.parts.errors, ForceErrors)
     return task
 
 
-def draw(task: ForceTask, seed: int, **options: Any) -> ContactStart:
+def draw(task: Task, seed: int, **options: Any) -> ContactStart:
     start = task.draw(np.random.default_rng(seed), {n: np.array(value) for n, value in options.items()})
     assert isinstance(start, ContactStart)
     return start

@@ -8,19 +8,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prp_gym.envs import JointRegulation, JointTracking, PRPEnv
-from prp_gym.envs.base.arm_task import check_joint_limits
-from prp_gym.envs.base.data import load_scenario, load_task_numbers
-from prp_gym.envs.base.joint_task import JointTask
-from prp_gym.envs.base.reference_draws import STARTS
+from prp_gym.envs import PRPEnv
+from prp_gym.envs.base.arm_world import check_joint_limits
+from prp_gym.envs.base.scenarios import load_scenario
+from prp_gym.envs.base.tracking_starts import STARTS
 from prp_gym.envs.tasks.joint_tracking import REFERENCES, TrackingOptions
 from prp_gym.errors import JointLimitError, UnknownNameError
 from prp_gym.robot import NOMINAL, PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Constant, QuinticWaypoints
+from prp_gym.tasks.parts import EpisodeStart
 from prp_gym.tasks.reward import Reward
-from prp_gym.tasks.task import NoOptions
-from prp_gym.tasks.trajectory_task import TrajectoryStart
+from prp_gym.tasks.spec import TASKS, NoOptions
+from prp_gym.tasks.task import Task, TaskNumbers, TaskSetup
 
 SEEDS = st.integers(0, 2**32 - 1)
 PERIOD = 0.002  # of control; nothing here depends on it [s]
@@ -40,22 +40,27 @@ REPORT_WAYPOINTS = np.array(
 RANDOM = [name for name in SCENARIOS if not load_scenario(name).deterministic]
 
 
-def regulation(scenario: str) -> JointRegulation:
-    numbers = load_task_numbers(JointRegulation.environment_id)
-    return JointRegulation(numbers, load_scenario(scenario), NoOptions(), PERIOD)
+def made(environment_id: str, scenario: str, options: Any) -> Task:
+    spec = TASKS.find(environment_id)
+    return Task(spec, TaskSetup(TaskNumbers.read(spec.numbers), load_scenario(scenario), options, PERIOD))
 
 
-def tracking(scenario: str, reference: str = "quintic", start: str = "scenario") -> JointTracking:
-    numbers = load_task_numbers(JointTracking.environment_id)
-    return JointTracking(numbers, load_scenario(scenario), TrackingOptions(start, reference), PERIOD)
+def regulation(scenario: str) -> Task:
+    return made("PRP-JointRegulation-v0", scenario, NoOptions())
 
 
-def tasks(scenario: str) -> list[JointTask]:
+def tracking(scenario: str, reference: str = "quintic", start: str = "scenario") -> Task:
+    return made("PRP-JointTracking-v0", scenario, TrackingOptions(start, reference))
+
+
+def tasks(scenario: str) -> list[Task]:
     return [regulation(scenario), *(tracking(scenario, reference) for reference in REFERENCES)]
 
 
-def draw(task: JointTask, seed: int, **options: Array) -> TrajectoryStart:
-    return task.draw(np.random.default_rng(seed), options)
+def draw(task: Task, seed: int, **options: Array) -> EpisodeStart:
+    start = task.draw(np.random.default_rng(seed), options)
+    assert isinstance(start, EpisodeStart)
+    return start
 
 
 def environment(environment_id: str, **keywords: Any) -> PRPEnv:
@@ -75,7 +80,7 @@ def within_limits(joint_position: Array) -> bool:
 
 
 def test_report_regulation_starts_at_home_at_rest_and_asks_for_the_reports_position() -> None:
-    env = environment(JointRegulation.environment_id)
+    env = environment("PRP-JointRegulation-v0")
     parts = env.observation_layout.split(env.reset(seed=0)[0])
     np.testing.assert_array_equal(parts["joint_position"], 0.0)
     np.testing.assert_array_equal(parts["joint_velocity"], 0.0)
@@ -85,7 +90,7 @@ def test_report_regulation_starts_at_home_at_rest_and_asks_for_the_reports_posit
 
 
 def test_report_tracking_holds_the_first_waypoint_and_then_rests_at_each() -> None:
-    env = environment(JointTracking.environment_id)
+    env = environment("PRP-JointTracking-v0")
     parts = env.observation_layout.split(env.reset(seed=0)[0])
     np.testing.assert_array_equal(parts["joint_position"], 0.0)
     np.testing.assert_array_equal(parts["desired_joint_position"], REPORT_WAYPOINTS[0])
@@ -105,7 +110,7 @@ def test_report_tracking_holds_the_first_waypoint_and_then_rests_at_each() -> No
 
 
 def test_report_tracking_from_home_begins_at_home() -> None:
-    env = environment(JointTracking.environment_id, start="home")
+    env = environment("PRP-JointTracking-v0", start="home")
     env.reset(seed=0)
     np.testing.assert_array_equal(reference_at(env, 0.0), 0.0)
     # half way to the first waypoint; one rounding
@@ -115,7 +120,7 @@ def test_report_tracking_from_home_begins_at_home() -> None:
 
 
 def test_report_sine_is_the_reports() -> None:
-    env = environment(JointTracking.environment_id, reference="sine")
+    env = environment("PRP-JointTracking-v0", reference="sine")
     np.testing.assert_array_equal(env.reset(seed=0)[0][:3], 0.0)
     for time in np.linspace(0.0, 5.0, 41):
         angle = 2 * np.pi * time
@@ -128,16 +133,16 @@ def test_report_sine_is_the_reports() -> None:
 
 
 def test_report_constant_reference_is_the_regulations_goal() -> None:
-    env = environment(JointTracking.environment_id, reference="constant")
+    env = environment("PRP-JointTracking-v0", reference="constant")
     env.reset(seed=0)
     np.testing.assert_array_equal(reference_at(env, 1.0), [*REPORT_GOAL, *np.zeros(6)])
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-@pytest.mark.parametrize("task_class", [JointRegulation, JointTracking])
-def test_declared_ranges_lie_within_the_joint_limits(scenario: str, task_class: type[JointTask]) -> None:
+@pytest.mark.parametrize("environment_id", ["PRP-JointRegulation-v0", "PRP-JointTracking-v0"])
+def test_declared_ranges_lie_within_the_joint_limits(scenario: str, environment_id: str) -> None:
     loaded = load_scenario(scenario)
-    ranges = load_task_numbers(task_class.environment_id).ranges[loaded.draws]
+    ranges = TaskNumbers.read(TASKS[environment_id].numbers).ranges[loaded.draws]
     for name in {"joint_position", "goal", "waypoints", "center"} & set(ranges):
         for corner in (ranges[name].low, ranges[name].high):
             assert within_limits(np.array(corner).reshape(-1, 3)), name

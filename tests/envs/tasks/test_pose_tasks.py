@@ -8,8 +8,8 @@ import pytest
 
 import prp_gym
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.pose_task import PoseReferenceTask
-from prp_gym.envs.base.reference_draws import STARTS
+from prp_gym.envs.base.references import PoseSpaceReference
+from prp_gym.envs.base.tracking_starts import STARTS
 from prp_gym.errors import JointLimitError, UnknownNameError
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
@@ -63,7 +63,7 @@ def pose_of(q_1: float, q_2: float, q_3: float) -> list[float]:
 POSE_KINDS: list[tuple[str, dict[str, Any]]] = [
     (name, keywords)
     for name in prp_gym.list_envs()
-    if isinstance(environment(name).task, PoseReferenceTask)
+    if isinstance(environment(name).task.parts.reference, PoseSpaceReference)
     for keywords in ([{"reference": "joint"}, {"reference": "pose"}] if name == TRACKING else [{}])
 ]
 
@@ -72,8 +72,8 @@ POSE_KINDS: list[tuple[str, dict[str, Any]]] = [
 @pytest.mark.parametrize("kind", POSE_KINDS, ids=lambda kind: "-".join([kind[0], *kind[1].values()]))
 def test_rates_of_the_reference_are_derivatives_of_its_pose(kind: tuple[str, Any], scenario: str) -> None:
     env = begun(kind[0], scenario=scenario, **kind[1])
-    assert isinstance(env.task, PoseReferenceTask)
-    trajectory = env.task.trajectory
+    assert isinstance(env.task.parts.reference, PoseSpaceReference)
+    trajectory = env.task.parts.reference.trajectory
     knots = trajectory.times[0] if isinstance(trajectory, QuinticWaypoints) else np.full(1, np.inf)
     for time in np.random.default_rng(0).uniform(0.01, 4.9, 60):
         if np.abs(knots - time).min() < 2 * STEP:
@@ -92,9 +92,9 @@ def test_rates_of_the_reference_are_derivatives_of_its_pose(kind: tuple[str, Any
 def test_references_in_joint_space_are_what_the_arm_can_do(environment_id: str) -> None:
     env = begun(environment_id)
     task = env.task
-    assert isinstance(task, PoseReferenceTask)
+    assert isinstance(task.parts.reference, PoseSpaceReference)
     for time in np.linspace(0.0, 5.0, 23):
-        q, rate, acceleration = np.split(task.trajectory.sample(np.array([time]))[0], 3)
+        q, rate, acceleration = np.split(task.parts.reference.trajectory.sample(np.array([time]))[0], 3)
         pose, velocity, second = at(env, time)
         np.testing.assert_allclose(pose, pose_of(*q), rtol=0, atol=1e-14)  # sums of lengths below 1 m
         # J_A by central differences of the formula above: errors of 1e-12 by rounding, 1e-9 by the step

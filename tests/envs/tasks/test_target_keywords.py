@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
-from prp_gym.envs.base.rendering_task import RenderingTask
+from prp_gym.envs.base.target_errors import TargetErrors
 from prp_gym.errors import InvalidValueError, PRPError, ShapeError, UnknownNameError
 from prp_gym.robot.arrays import Array
 
@@ -22,8 +22,8 @@ def environment(environment_id: str, **keywords: Any) -> PRPEnv:
 
 def target(env: PRPEnv) -> tuple[Array, Array, Array]:
     """M, K_D, K_P (6) of an environment's target model."""
-    assert isinstance(env.task, RenderingTask)
-    model = env.task.target
+    assert isinstance(env.task.parts.errors, TargetErrors)
+    model = env.task.parts.errors.target
     return model.inertia, model.damping, model.stiffness
 
 

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from prp_gym.agents.algorithms import ALGORITHMS, AlgorithmSpec
 from prp_gym.agents.policy.agent_card import AgentCard, Interface, Keyword, Part, PlainFeatures, Run, Score
 from prp_gym.agents.policy.agent_tensors import digest, pack_tensors
+from prp_gym.agents.policy.environments import environment_revision
 from prp_gym.agents.policy.features import TrackingFeatures
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.network import Network
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.make_vec_env import require_stable_baselines
+from prp_gym.agents.sb3.packages import require
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -23,21 +25,21 @@ if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
 _PACKAGES = ("prp-gym", "gymnasium", "mujoco", "numpy", "stable-baselines3", "sb3-contrib", "torch")
-_LARGEST_DIFFERENCE = 1e-5  # of actions: single precision, over a few hundred products a unit
-_TRIALS, _STEPS = 64, 4  # observations together, and one after another
+_LARGEST_DIFFERENCE = 1e-5  # of actions: rounding in single precision over a few hundred products per unit
+_TRIALS, _STEPS = 64, 4  # observations at once, and consecutive steps
 
 
 @dataclass(frozen=True)
 class AgentFacts:
-    """What a card needs to say and a model of Stable-Baselines3 does not know.
+    """What a card states and a model of Stable-Baselines3 does not know.
 
     Attributes:
-        environment_id: for `gymnasium.make`, with its version.
-        environment_keywords: of the environment in which it was trained.
-        layout: of the observation.
-        run: the training.
-        scores: after training, by scenario; none before it is evaluated.
-        action: its parts, in order; none where they are not known.
+        environment_id: id for `gymnasium.make`, with its version.
+        environment_keywords: keywords of the environment in which the agent was trained.
+        layout: layout of the observation.
+        run: record of the training.
+        scores: scores after training, by scenario; empty before an evaluation.
+        action: parts of an action, in order; empty where they are not known.
     """
 
     environment_id: str
@@ -49,28 +51,33 @@ class AgentFacts:
 
 
 def identity_normalizer(size: int) -> Normalizer:
-    """The normaliser of features that were not normalised in training."""
+    """The normaliser of features that were not normalised in training.
+
+    Args:
+        size: number of features.
+    """
     return Normalizer(np.zeros(size), np.ones(size), 0.0, np.inf)
 
 
 def export_agent(model: "BaseAlgorithm", normalizer: Normalizer, facts: AgentFacts) -> LearnedPolicy:
-    """A trained model as an agent that needs neither torch nor Stable-Baselines3.
+    """A trained model as an agent that needs neither PyTorch nor Stable-Baselines3.
 
     Args:
-        model: of PPO, SAC, TD3, TQC or RecurrentPPO, with layers as their MlpPolicy or MlpLstmPolicy has.
-        normalizer: of the features in training.
+        model: model of a declared algorithm, with a policy network that its declaration can read.
+        normalizer: normaliser of the features in training.
         facts: what the model does not know.
 
     Raises:
         MissingPackageError: Stable-Baselines3 is not installed.
-        InvalidValueError: another algorithm or network, or one that acts otherwise in numpy than in torch.
-        ShapeError: a normaliser or observation layout of other features than the model's.
+        UnknownNameError: an environment or keyword that does not exist.
+        InvalidValueError: an algorithm that is not declared, a network that cannot be exported, or one whose
+            actions in numpy differ from those in PyTorch.
+        ShapeError: a normaliser or observation layout with other features than the model's.
     """
-    require_stable_baselines()
+    require()
     from prp_gym.agents.sb3.network_reader import read_network
 
-    algorithm = type(model).__name__
-    network = read_network(model)
+    network = read_network(model, _find_algorithm(model).entry.read_actor)
     interface = _interface(facts, network.shape.inputs)
     for name in ("mean", "variance"):
         if np.shape(getattr(normalizer, name)) != (network.shape.inputs,):
@@ -79,7 +86,7 @@ def export_agent(model: "BaseAlgorithm", normalizer: Normalizer, facts: AgentFac
     _check_actions(model, network)
     card = AgentCard(
         interface=interface,
-        algorithm=algorithm,
+        algorithm=type(model).__name__,
         network=network.shape,
         run=facts.run,
         scores=facts.scores,
@@ -89,8 +96,22 @@ def export_agent(model: "BaseAlgorithm", normalizer: Normalizer, facts: AgentFac
     return LearnedPolicy(card, normalizer, network)
 
 
+def _find_algorithm(model: "BaseAlgorithm") -> AlgorithmSpec:
+    """The declaration of the algorithm that trained a model.
+
+    Raises:
+        InvalidValueError: no declared algorithm has the model's class.
+    """
+    name = type(model).__name__
+    for spec in ALGORITHMS.values():
+        if spec.entry.class_name == name and isinstance(model, spec.load_class()):
+            return spec
+    valid = sorted(spec.entry.class_name for spec in ALGORITHMS.values())
+    raise InvalidValueError("algorithm", name, f"one of {', '.join(valid)}")
+
+
 def _versions() -> dict[str, str]:
-    """Of Python and of the packages that are installed."""
+    """Versions of Python and of the packages that are installed."""
     found = {"python": platform.python_version()}
     for name in _PACKAGES:
         with suppress(PackageNotFoundError):
@@ -99,10 +120,10 @@ def _versions() -> dict[str, str]:
 
 
 def _interface(facts: AgentFacts, inputs: int) -> Interface:
-    """The agent's interface; the features are those, of the two kinds, that the network has inputs for.
+    """The agent's interface, with that one of the two kinds of features that the network has inputs for.
 
     Raises:
-        ShapeError: neither.
+        ShapeError: the network has inputs for neither kind.
     """
     kinds = (TrackingFeatures(facts.layout), PlainFeatures(facts.layout))
     fitting = [features for features in kinds if features.size == inputs]
@@ -115,14 +136,15 @@ def _interface(facts: AgentFacts, inputs: int) -> Interface:
         observation=tuple(Part(part.name, part.shape[0]) for part in facts.layout.fields),
         features=fitting[0].names,
         action=facts.action,
+        environment_revision=environment_revision(facts.environment_id),
     )
 
 
 def _check_actions(model: "BaseAlgorithm", network: Network) -> None:
-    """Refuse a network that does not do in numpy what the model does in torch.
+    """Refuse a network whose actions in numpy differ from the model's in PyTorch.
 
     Raises:
-        InvalidValueError: it does not.
+        InvalidValueError: they differ by more than rounding.
     """
     rng = np.random.default_rng(0)
     memory = network.initial_memory((_TRIALS,))

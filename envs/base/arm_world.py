@@ -1,0 +1,115 @@
+"""The arm as the world of a task, and its starts."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, JointLimitError
+from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.mjcf import PhysicsSettings
+from prp_gym.physics.simulation import Physics
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import JOINT_UNITS, NOMINAL
+from prp_gym.tasks.fields import SPEED_BOUND
+from prp_gym.tasks.parts import ResetOption, StartT, World
+from prp_gym.tasks.scenario import PlantDraw
+from prp_gym.tasks.task import TaskSetup
+
+_ROUNDING = 1e-6  # [rad] or [m]: a limit written in single precision, or a sum that ends on it
+
+ARM_OPTIONS = {
+    "joint_position": ResetOption((3,), "rad, m, rad", "initial joint position"),
+    "joint_velocity": ResetOption((3,), "rad/s, m/s, rad/s", "initial joint velocity"),
+    "goal": ResetOption((3,), "rad, m, rad", "joint position at the goal"),
+}
+
+
+def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
+    """Refuse joint positions (..., 3) [rad, m, rad] outside the joint limits.
+
+    Raises:
+        JointLimitError: names the first joint that is outside.
+    """
+    low, high = np.array(arm.parameters.joint_lower), np.array(arm.parameters.joint_upper)
+    outside = (joint_position < low - _ROUNDING) | (joint_position > high + _ROUNDING)
+    if outside.any():
+        place = tuple(np.argwhere(outside)[0].tolist())
+        joint = place[-1]
+        limits = (float(low[joint]), float(high[joint]))
+        raise JointLimitError(what, joint + 1, float(joint_position[place]), limits, JOINT_UNITS[joint])
+
+
+def checked_start(arm: PRPArm, position: Array, options: Mapping[str, Array]) -> tuple[Array, Array]:
+    """The initial joint position and velocity (3), where reset options replace what was drawn.
+
+    Args:
+        arm: Nominal arm.
+        position: Drawn joint position (3) [rad, m, rad].
+        options: Validated reset options by name.
+
+    Raises:
+        JointLimitError: a position outside the joint limits.
+        InvalidValueError: a velocity beyond the declared bounds.
+    """
+    position = options.get("joint_position", position)
+    check_joint_limits(arm, "initial joint position", position)
+    velocity = options.get("joint_velocity", np.zeros(3))
+    if (np.abs(velocity) > SPEED_BOUND).any():
+        unit = "rad/s, m/s, rad/s"
+        raise InvalidValueError("initial joint velocity", velocity.tolist(), f"within ±{SPEED_BOUND}", unit)
+    return position, velocity
+
+
+def arm_physics(physics: Simulation) -> Physics:
+    """A simulation as one of the arm.
+
+    Raises:
+        InvalidValueError: a simulation of another robot.
+    """
+    if not isinstance(physics, Physics):
+        raise InvalidValueError("physics", type(physics).__name__, "the arm's, a Physics")
+    return physics
+
+
+class ArmWorld(World[StartT]):
+    """The nominal arm in free space; masses and friction of the plant differ where the scenario says so.
+
+    Args:
+        setup: Numbers, scenario, keywords and period of the task.
+        surface: Whether there is an elastic surface.
+
+    Attributes:
+        arm: Nominal arm.
+    """
+
+    def __init__(self, setup: TaskSetup, surface: bool = False) -> None:
+        self.arm = self.model = PRPArm(NOMINAL)
+        self._scenario = setup.scenario
+        self._surface = surface
+
+    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
+        """See `World.make_physics`."""
+        settings = PhysicsSettings(timestep, self._scenario.joint_stops, self._surface)
+        return Physics(self.arm.parameters, settings, num_envs, num_threads)
+
+    def draw_plant(self, rng: np.random.Generator) -> PlantDraw:
+        """See `World.draw_plant`; nothing is drawn where the plant is the nominal arm."""
+        if self._scenario.ideal_plant:
+            return PlantDraw(np.ones(3), np.zeros(3), np.zeros(3))
+        return self._scenario.draw_plant(rng)
+
+    def configure(
+        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[StartT], plants: Sequence[Any]
+    ) -> None:
+        """See `World.configure`: masses and friction."""
+        if self._scenario.ideal_plant:
+            return
+        arm_physics(physics).set_dynamics(
+            ids,
+            np.stack([plant.mass_factor for plant in plants]),
+            np.stack([plant.viscous_friction for plant in plants]),
+            np.stack([plant.coulomb_friction for plant in plants]),
+        )

@@ -1,0 +1,130 @@
+"""References of the arm: motions of the joints or of the pose, and desired forces."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, OverlayItem, Path
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.fields import DESIRED_FORCE, JOINT_REFERENCE_FIELDS, POSE_REFERENCE_FIELDS, Field
+from prp_gym.tasks.parts import Reference
+from prp_gym.tasks.trajectory import Trajectory
+
+_PATH_POINTS = 120
+_GOAL_SIZE = 0.025  # m
+
+
+def path_overlay(
+    trajectory: Trajectory, goal: Array, tip_path: Callable[[Trajectory, Array], Array], duration: float
+) -> list[OverlayItem]:
+    """The goal of the tip as a ball, and its path where the reference moves.
+
+    Args:
+        trajectory: Reference of one environment, one row.
+        goal: Position of the tip at the end of a moving reference (3) [m].
+        tip_path: Positions (..., 1, 3) [m] of the tip at times (..., 1) [s].
+        duration: Length of the path in time [s].
+    """
+    if trajectory.is_constant:
+        return [Ball(tip_path(trajectory, np.zeros(1))[0], _GOAL_SIZE, GOAL_COLOR)]
+    time = np.linspace(0.0, duration, _PATH_POINTS)[:, None]
+    path = Path(tip_path(trajectory, time)[:, 0], 2.0, PATH_COLOR)
+    return [Ball(goal, _GOAL_SIZE, GOAL_COLOR), path]
+
+
+def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
+    """A reference as a motion of the pose.
+
+    Args:
+        arm: Arm whose kinematics turn motions of the joints into motions of the pose.
+        trajectory: Motion of the joints or of the pose, N rows.
+        time: Times (..., N) [s].
+
+    Returns:
+        (..., N, 18): pose, its rate, its second derivative.
+    """
+    samples = trajectory.sample(time)
+    if samples.shape[-1] == 18:
+        return samples
+    return np.concatenate(arm.pose_motion(samples[..., :3], samples[..., 3:6], samples[..., 6:]), axis=-1)
+
+
+class JointSpaceReference(Reference):
+    """A motion of the joints, observed as such.
+
+    Args:
+        arm: Nominal arm.
+    """
+
+    fields: ClassVar[tuple[Field, ...]] = JOINT_REFERENCE_FIELDS
+
+    def __init__(self, arm: PRPArm) -> None:
+        super().__init__()
+        self._arm = arm
+
+    def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
+        """See `Reference.sample`."""
+        return self.rows(ids).sample(time)
+
+    def overlay(self, index: int, duration: float) -> list[OverlayItem]:
+        """See `Reference.overlay`."""
+        trajectory = self.trajectory.rows(np.array([index]))
+        goal = self._arm.forward_kinematics(trajectory.goal[0])[:3]
+        return path_overlay(trajectory, goal, self._tip_path, duration)
+
+    def _tip_path(self, trajectory: Trajectory, time: Array) -> Array:
+        return self._arm.forward_kinematics(trajectory.sample(time)[..., :3])[..., :3]
+
+
+class PoseSpaceReference(Reference):
+    """A motion of the joints or of the pose, observed as a motion of the pose.
+
+    Args:
+        arm: Nominal arm.
+    """
+
+    fields: ClassVar[tuple[Field, ...]] = POSE_REFERENCE_FIELDS
+
+    def __init__(self, arm: PRPArm) -> None:
+        super().__init__()
+        self._arm = arm
+
+    def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
+        """See `Reference.sample`."""
+        return sample_pose(self._arm, self.rows(ids), time)
+
+    def overlay(self, index: int, duration: float) -> list[OverlayItem]:
+        """See `Reference.overlay`."""
+        trajectory = self.trajectory.rows(np.array([index]))
+        goal = trajectory.goal[0]
+        tip = goal[:3] if len(goal) == 6 else self._arm.forward_kinematics(goal)[:3]
+        return path_overlay(trajectory, tip, self._tip_path, duration)
+
+    def _tip_path(self, trajectory: Trajectory, time: Array) -> Array:
+        return sample_pose(self._arm, trajectory, time)[..., :3]
+
+
+class ForceAndPoseReference(PoseSpaceReference):
+    """A motion of the pose, and beside it a constant desired force by the tip on the surface."""
+
+    fields = (*POSE_REFERENCE_FIELDS, DESIRED_FORCE)
+
+    def __init__(self, arm: PRPArm) -> None:
+        super().__init__(arm)
+        self._forces = np.zeros((0, 3))
+
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+        """See `Reference.begin`."""
+        super().begin(ids, starts)
+        if len(self._forces) == 0:
+            self._forces = np.zeros((len(ids), 3))
+        self._forces[ids] = [start.desired_force for start in starts]
+
+    def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
+        """See `Reference.sample`."""
+        pose = super().sample(time, ids)
+        forces = self._forces if ids is None else self._forces[ids]
+        return np.concatenate([pose, np.broadcast_to(forces, (*pose.shape[:-1], 3))], axis=-1)

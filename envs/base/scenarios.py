@@ -1,0 +1,26 @@
+"""The scenarios, read from the data file beside this module."""
+
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from prp_gym.errors import UnknownNameError
+from prp_gym.tasks.scenario import Scenario
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    return tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+
+
+def load_scenario(name: str) -> Scenario:
+    """A scenario by name.
+
+    Raises:
+        UnknownNameError: no such scenario.
+    """
+    tables = _tables()
+    if not isinstance(name, str) or name not in tables:
+        raise UnknownNameError("scenario", name, tables)
+    return Scenario.from_table(name, tables[name])

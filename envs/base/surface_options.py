@@ -1,0 +1,86 @@
+"""The elastic surface of a contact task, as keywords and reset options give it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+
+from prp_gym.envs.checks import shaped, within
+from prp_gym.envs.config import describe
+from prp_gym.physics.surface import Surface
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.parts import ResetOption
+
+SURFACE_OPTIONS = {
+    "surface_stiffness": ResetOption((), "N/m", "stiffness K of the surface"),
+    "surface_damping": ResetOption((), "N·s/m", "damping D of the surface"),
+    "surface_normal": ResetOption((3,), "", "normal of the surface in the world frame, to the free side"),
+    "surface_offset": ResetOption((), "m", "unit normal · p of the surface's points p"),
+}
+
+SURFACE_BOUNDS = {
+    "surface_stiffness": (1e-3, 1e5),
+    "surface_damping": (0.0, 1e3),
+    "surface_offset": (-5.0, 5.0),
+}
+"""What a surface may be; forces then stay within the bounds of their observation."""
+
+
+def _surface(name: str) -> dict[str, str]:
+    option = SURFACE_OPTIONS[name]
+    return describe(option.unit, option.description + "; None draws it")
+
+
+@dataclass(frozen=True)
+class SurfaceOptions:
+    """The surface of every episode; what is None is drawn, or follows from the drawn contact point.
+
+    Raises:
+        InvalidValueError: a value that is not a number or outside `SURFACE_BOUNDS`, a zero normal.
+        ShapeError: a normal without three components.
+    """
+
+    surface_stiffness: float | None = field(default=None, metadata=_surface("surface_stiffness"))
+    surface_damping: float | None = field(default=None, metadata=_surface("surface_damping"))
+    surface_normal: tuple[float, float, float] | None = field(
+        default=None, metadata=_surface("surface_normal")
+    )
+    surface_offset: float | None = field(default=None, metadata=_surface("surface_offset"))
+
+    def __post_init__(self) -> None:
+        for name, value in self.given().items():
+            plain = tuple(value.tolist()) if value.ndim else float(value)
+            object.__setattr__(self, name, plain)
+        make_surface(self.given(), np.array([0.0, 0.0, 1.0]), 0.0)
+
+    def given(self) -> dict[str, Array]:
+        """What is not None, by name."""
+        names = [entry.name for entry in fields(SurfaceOptions)]
+        values = {name: getattr(self, name) for name in names}
+        return {n: surface_value(n, value) for n, value in values.items() if value is not None}
+
+
+def surface_value(name: str, value: object) -> Array:
+    """A value of the surface, as a keyword or reset option gives it.
+
+    Raises:
+        InvalidValueError: not numbers, or outside `SURFACE_BOUNDS`.
+        ShapeError: another shape than is declared.
+    """
+    option = SURFACE_OPTIONS[name]
+    if name in SURFACE_BOUNDS:
+        return np.array(within(name, value, SURFACE_BOUNDS[name], option.unit))
+    return shaped(name, value, option.shape, option.unit)
+
+
+def make_surface(
+    values: Mapping[str, Array], normal: Array, offset: float, stiffness: float = 1.0, damping: float = 0.0
+) -> Surface:
+    """One surface from what is given by name, and defaults for the rest."""
+    direction = values.get("surface_normal", normal)
+    return Surface(
+        np.atleast_1d(values.get("surface_stiffness", stiffness)),
+        np.atleast_1d(values.get("surface_damping", damping)),
+        np.atleast_2d(direction),
+        np.atleast_1d(values.get("surface_offset", offset)),
+    )

@@ -1,0 +1,95 @@
+"""Errors of the tasks of compliance: the distance to a target model that the contact force drives."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.base.motion_errors import stack_errors
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.fields import MODEL_POSE, Field, ObservationLayout
+from prp_gym.tasks.parts import ErrorFunction
+from prp_gym.tasks.target_model import TargetModel
+from prp_gym.tasks.task import TaskSetup
+
+
+class TargetErrors(ErrorFunction):
+    """The tip off the pose where a target model would be under the true contact force.
+
+    Args:
+        setup: Numbers, scenario, keywords and period of the task.
+        layout: Layout of the observation.
+
+    Attributes:
+        target: Model M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e with x̃ = x_d - x.
+    """
+
+    judged_fields: ClassVar[tuple[Field, ...]] = (MODEL_POSE,)
+
+    def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
+        self._measured = layout.index("end_effector_pose")
+        self._desired = layout.index("desired_pose")
+        self._force = layout.index("contact_force")
+        self._model_pose = slice(layout.size, layout.size + len(MODEL_POSE.units))
+        own = setup.numbers.constants["target"]
+        axes = [getattr(setup.options, f"target_{name}", None) or own[name] for name in own]
+        self.target = TargetModel(**dict(zip(own, map(np.array, axes), strict=True)), period=setup.period)
+
+    @property
+    def target_impedance(self) -> Mapping[str, Array]:
+        """See `ErrorFunction.target_impedance`."""
+        return {name: getattr(self.target, name) for name in ("inertia", "damping", "stiffness")}
+
+    def generalised_force(self, ground_truth: Array) -> Array:
+        """The true contact force as one on the pose (..., 6) [N, N, N, N m, N m, N m]; no moments."""
+        force = np.zeros((*ground_truth.shape[:-1], 6))
+        force[..., :3] = ground_truth[..., self._force]
+        return force
+
+    def write_model_pose(self, ground_truth: Array, displacement: Array) -> None:
+        """Write the desired pose, less a displacement (..., 6), as the model's pose."""
+        ground_truth[..., self._model_pose] = ground_truth[..., self._desired] - displacement
+
+    def errors(self, ground_truth: Array, torque: Array) -> Array:
+        """(..., 3, 3): tip off the model's [m], α and β off the model's [rad], torque [N m, N, N m]."""
+        error = ground_truth[..., self._model_pose] - ground_truth[..., self._measured]
+        return stack_errors(error, torque)
+
+
+class StaticTargetErrors(TargetErrors):
+    """The target has stiffness alone: K_P x̃ = h_e."""
+
+    @property
+    def target_impedance(self) -> Mapping[str, Array]:
+        """See `ErrorFunction.target_impedance`: the stiffness alone."""
+        return {"stiffness": self.target.stiffness}
+
+    def complete(self, ground_truth: Array) -> None:
+        """See `ErrorFunction.complete`."""
+        force = self.generalised_force(ground_truth)
+        self.write_model_pose(ground_truth, self.target.static_displacement(force))
+
+
+class DynamicTargetErrors(TargetErrors):
+    """The target has inertia, damping and stiffness, and moves under the contact force."""
+
+    def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
+        super().__init__(setup, layout)
+        self._motion = np.zeros((0, 6, 4))  # displacement, its rate, force at a period's begin and end
+
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+        """See `ErrorFunction.begin`: the model starts at rest, on the reference."""
+        if len(self._motion) == 0:
+            self._motion = np.zeros((len(ids), 6, 4))
+        self._motion[ids] = 0.0
+
+    def advance(self, ground_truth: Array) -> None:
+        """See `ErrorFunction.advance`."""
+        self._motion[:, :3, 3] = ground_truth[:, self._force]
+        self.target.follow(self._motion)
+
+    def complete(self, ground_truth: Array) -> None:
+        """See `ErrorFunction.complete`; the force now, at a start too, begins the next period."""
+        self._motion[:, :3, 2] = ground_truth[:, self._force]
+        self.write_model_pose(ground_truth, self._motion[..., 0])

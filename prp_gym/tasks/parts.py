@@ -1,0 +1,202 @@
+"""What a task is composed of: a world, a start sampler, a reference and an error function."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import EpisodeError
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.link import Link
+from prp_gym.tasks.fields import MEASURED_FIELDS, Field
+from prp_gym.tasks.trajectory import Trajectory
+
+if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
+    from prp_gym.physics.batch_simulation import Simulation
+    from prp_gym.physics.rendering import OverlayItem
+
+
+@dataclass(frozen=True, eq=False)
+class EpisodeStart:
+    """How one episode of one environment starts.
+
+    Attributes:
+        joint_position: Initial joint position (joints) [rad, m, rad].
+        joint_velocity: Initial joint velocity (joints) per second.
+        trajectory: Reference trajectory of the episode, one row.
+    """
+
+    joint_position: Array
+    joint_velocity: Array
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True)
+class ResetOption:
+    """A value that `reset(options=...)` takes in place of a drawn one.
+
+    Attributes:
+        shape: Shape of the value, () or (size,).
+        unit: Unit of its components.
+        description: Meaning of the value.
+    """
+
+    shape: tuple[int, ...]
+    unit: str
+    description: str
+
+
+StartT = TypeVar("StartT", bound=EpisodeStart)
+
+
+class World(ABC, Generic[StartT]):
+    """The robot and its surroundings.
+
+    Attributes:
+        measured_fields: Observed quantities of the robot, in the order in which the physics measures them.
+        model: Nominal robot, whatever the plant of an episode is.
+    """
+
+    measured_fields: ClassVar[tuple[Field, ...]] = MEASURED_FIELDS
+    model: PRPArm | Link
+
+    @abstractmethod
+    def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> "Simulation":
+        """The simulation of N environments, integrated in steps of `timestep` [s]."""
+
+    @abstractmethod
+    def draw_plant(self, rng: np.random.Generator) -> Any:
+        """Draw how the robot of one episode differs from the nominal one."""
+
+    @abstractmethod
+    def configure(
+        self,
+        physics: "Simulation",
+        ids: NDArray[np.intp],
+        starts: Sequence[StartT],
+        plants: Sequence[Any],
+    ) -> None:
+        """Give some simulations (n) the plants and surroundings of their new episodes."""
+
+
+class StartSampler(ABC, Generic[StartT]):
+    """Draws how episodes start.
+
+    Attributes:
+        reset_options: Values that `reset(options=...)` takes, by name.
+    """
+
+    reset_options: Mapping[str, ResetOption]
+
+    @abstractmethod
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> StartT:
+        """Draw how one episode starts.
+
+        Args:
+            rng: Generator of the environment; the same numbers are drawn whatever the options.
+            options: Validated values, by names of `reset_options`, that replace drawn ones.
+
+        Returns:
+            the start.
+
+        Raises:
+            JointLimitError: a start or goal outside the joint limits.
+            InvalidValueError: another value that is not allowed.
+        """
+
+
+class Reference(ABC):
+    """The reference trajectories of N environments, and how they are observed.
+
+    Attributes:
+        fields: Observed quantities of the reference.
+    """
+
+    fields: ClassVar[tuple[Field, ...]]
+
+    def __init__(self) -> None:
+        self._trajectory: Trajectory | None = None
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The reference of every environment, N rows.
+
+        Raises:
+            EpisodeError: no episode has begun.
+        """
+        if self._trajectory is None:
+            raise EpisodeError("no episode has begun yet: call reset() first.")
+        return self._trajectory
+
+    def rows(self, ids: NDArray[np.intp] | None) -> Trajectory:
+        """The references of some environments (n), or of all."""
+        return self.trajectory if ids is None else self.trajectory.rows(ids)
+
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+        """Take up new episodes in some environments (n); the first call covers every environment."""
+        rows = [start.trajectory for start in starts]
+        stacked = type(rows[0]).concatenate(rows)
+        if self._trajectory is None:
+            self._trajectory = stacked
+        else:
+            self._trajectory.assign(ids, stacked)
+
+    @abstractmethod
+    def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
+        """The reference part of the observations.
+
+        Args:
+            time: Time since the start of each episode (..., n) [s].
+            ids: Environments (n); None for all.
+
+        Returns:
+            (..., n, size of the reference fields).
+        """
+
+    @abstractmethod
+    def overlay(self, index: int, duration: float) -> list["OverlayItem"]:
+        """What frames show of one environment's reference over a duration [s]: goal and path."""
+
+
+class ErrorFunction(ABC):
+    """The errors that the terms of the reward judge; it may integrate a model of its own.
+
+    Attributes:
+        judged_fields: Quantities that are recorded and judged beside the observation, and not observed.
+    """
+
+    judged_fields: ClassVar[tuple[Field, ...]] = ()
+
+    @property
+    def target_impedance(self) -> Mapping[str, Array]:
+        """Axes (6) of the target's `inertia`, `damping` and `stiffness`; empty where there is no target."""
+        return {}
+
+    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:  # noqa: B027 (most have no state)
+        """Take up new episodes in some environments (n); the first call covers every environment."""
+
+    def advance(self, ground_truth: Array) -> None:  # noqa: B027
+        """Integrate what the function itself integrates over one period.
+
+        Args:
+            ground_truth: Ground truth (N, size) at the end of the period, all but the judged fields.
+        """
+
+    def complete(self, ground_truth: Array) -> None:  # noqa: B027
+        """Write the judged fields into the ground truth (N, size), in place."""
+
+    @abstractmethod
+    def errors(self, ground_truth: Array, torque: Array) -> Array:
+        """The errors of a step, in the order and units of the reward's terms.
+
+        Args:
+            ground_truth: Ground truth (..., size) after the step.
+            torque: Commanded torque within the actuator limits (..., joints) [N m, N, N m].
+
+        Returns:
+            (..., terms, width), width that of the longest term; the rest of a shorter one is zero.
+        """

@@ -1,0 +1,56 @@
+"""Registration of tasks, here and with Gymnasium."""
+
+import pkgutil
+from importlib.util import find_spec
+from pathlib import Path
+
+import gymnasium
+
+from prp_gym.tasks.spec import TASKS, TaskSpec
+
+_ENTRY_POINT = "prp_gym.envs.environment:PRPEnv"
+_VECTOR_ENTRY_POINT = "prp_gym.envs.vector:PRPVectorEnv"
+
+
+def register_task(spec: TaskSpec) -> TaskSpec:
+    """Declare a task, which makes it an environment of Gymnasium.
+
+    Args:
+        spec: Declaration, in this package or in another one.
+
+    Returns:
+        the declaration.
+
+    Raises:
+        InvalidValueError: an id that another task has or that is not a word; a revision below 1.
+    """
+    TASKS.register(spec)
+    _register_id(spec.id)
+    return spec
+
+
+def list_envs() -> list[str]:
+    """The ids of all environments: those of the suite, and of tasks registered by other packages."""
+    return list(TASKS)
+
+
+def register_environments() -> None:
+    """Make the suite's ids known to Gymnasium without importing a task; done by `import prp_gym`.
+
+    The id of a task follows from the name of its file: `force_position` is `PRP-ForcePosition-v0`.
+    """
+    package = find_spec("prp_gym.envs")
+    for folder in (package.submodule_search_locations if package is not None else None) or []:
+        for module in pkgutil.iter_modules([str(Path(folder) / "tasks")]):
+            _register_id(f"PRP-{module.name.title().replace('_', '')}-v0")
+
+
+def _register_id(environment_id: str) -> None:
+    if environment_id not in gymnasium.registry:
+        gymnasium.register(
+            environment_id,
+            entry_point=_ENTRY_POINT,
+            vector_entry_point=_VECTOR_ENTRY_POINT,
+            kwargs={"task": environment_id},
+            order_enforce=False,  # the environments do so themselves
+        )
