@@ -14,8 +14,8 @@ from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation import METRICS, Evaluation, Metric, evaluate
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
-from tests.support.made_up_episodes import Array, make_rollout
-from tests.support.made_up_rows import IDS, KINDS, LONGEST_NAME, episode, joints, row, row_of, tip
+from tests.support.synthetic_episodes import Array, make_rollout
+from tests.support.synthetic_rows import IDS, KINDS, LONGEST_NAME, episode, joints, row, row_of, tip
 
 WIDTH = 120
 

@@ -139,7 +139,9 @@ def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> Non
     task = TuningTask("PRP-JointTracking-v0", "joint_pd", "randomized", rate, 10_000)
     assert start_gains(BASELINES["joint_pd"], task.environment_id, rate) == gains
     with closing(gymnasium.make(task.environment_id, control_frequency=rate)) as env:
-        centre = make_candidates(task, env).space.centre
+        space = make_candidates(task, env).space
+        assert isinstance(space, SearchSpace)
+        centre = space.centre
         expected = load_gains("joint_pd", gains, task.environment_id)["proportional_gain"]
         np.testing.assert_array_equal(vars(centre)["proportional_gain"], expected)
 

@@ -8,7 +8,7 @@ import numpy as np
 from prp_gym.evaluation import Evaluation, Rollout
 from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.table import Row
-from tests.support.made_up_episodes import Array, make_rollout
+from tests.support.synthetic_episodes import Array, make_rollout
 
 LONGEST_NAME = "operational_inverse_dynamics"
 STEPS = np.ones((3, 1))  # two, and the reset
