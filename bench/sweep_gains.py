@@ -123,7 +123,11 @@ def inertia_of(controller: str, task: str) -> Array:
         return LINK_INERTIA
     if controller == "compliance":
         return COMPLIANCE_INERTIA
-    return POSE_INERTIA if "end_effector_pose" in BASELINES[controller].measured_fields else mean_inertia()
+    return (
+        POSE_INERTIA
+        if "end_effector_pose" in BASELINES[controller].policy.measured_fields
+        else mean_inertia()
+    )
 
 
 def sweep(controller: str, task: str, rate: float) -> list[tuple[float, float, float]]:

@@ -12,7 +12,7 @@ from bench.rounds import CONTACT, FREE, REACHER, Label, find, ratios
 from bench.sheets import Sheet, sheets
 from prp_gym.errors import UnknownNameError
 from prp_gym.physics import batch_simulation
-from tests.support.made_up_bench import make_results, row
+from tests.support.synthetic_bench import make_results, row
 
 
 def fast(label: Label) -> float:

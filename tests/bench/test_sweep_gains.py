@@ -8,6 +8,7 @@ import pytest
 
 import prp_gym
 from bench import sweep_gains
+from prp_gym.baselines import BASELINES
 from prp_gym.errors import UnknownNameError
 
 
@@ -66,4 +67,4 @@ def test_every_swept_controller_has_candidates_and_gains_to_start_from() -> None
             settings: dict[str, Any] = dict(
                 sweep_gains.CANDIDATES[controller](10.0, 0.7, sweep_gains.inertia_of(controller, task))
             )
-            assert prp_gym.make_baseline(controller, env, **settings).name == controller
+            assert type(prp_gym.make_baseline(controller, env, **settings)) is BASELINES[controller].policy

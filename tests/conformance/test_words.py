@@ -55,7 +55,12 @@ WORDS = (
     Word(
         "pairs?",
         "job, or what the two are",
-        ("pairs? of", "(contact|geom|collision) pairs?", "pair name", r"pair (sol|geom|friction|margin|dim)\w*"),
+        (
+            "pairs? of",
+            "(contact|geom|collision) pairs?",
+            "pair name",
+            r"pair (sol|geom|friction|margin|dim)\w*",
+        ),
     ),
     Word(
         "places?",
