@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-# After the first of these, `source .venv/bin/activate` puts prp-gym and python on the path.
+# `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test mutants lint type bench peers docs frames sweep train compare clean
 
 install: $(VENV)/.core
