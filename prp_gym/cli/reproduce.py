@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
+from prp_gym.artifacts import prepare_folder
 from prp_gym.cli.options import Plugins
 from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
-from prp_gym.artifacts import prepare_folder
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
 from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
