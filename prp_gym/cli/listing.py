@@ -21,9 +21,7 @@ from prp_gym.tasks.spec import TASKS
 def list_command(
     matrix: Annotated[
         bool,
-        typer.Option(
-            "--matrix", help="Show which controller runs on which environment, and why not on the others."
-        ),
+        typer.Option("--matrix", help="Show which controller runs on which environment, or why it does not."),
     ] = False,
     modes: Annotated[
         bool, typer.Option("--modes", help="Show the action modes and their environments.")
