@@ -1,4 +1,4 @@
-"""The one place where keywords and reset options become numbers."""
+"""Checks that turn keywords and reset options into numbers."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from prp_gym.robot.arrays import Array
 
 
 def as_numbers(what: str, value: object, unit: str = "") -> Array:
-    """A value as an array of numbers; texts and truth values are none.
+    """Convert a value to an array of numbers; strings and booleans are refused.
 
     Raises:
-        InvalidValueError: not a number or numbers.
+        InvalidValueError: a value that is neither a number nor an array of numbers.
     """
     try:
         numbers = np.asarray(value)
@@ -22,11 +22,11 @@ def as_numbers(what: str, value: object, unit: str = "") -> Array:
 
 
 def shaped(what: str, value: object, shape: tuple[int, ...], unit: str = "") -> Array:
-    """A value as numbers of one shape.
+    """Convert a value to numbers of a given shape.
 
     Raises:
-        InvalidValueError: not a number or numbers.
-        ShapeError: another shape.
+        InvalidValueError: a value that is neither a number nor an array of numbers.
+        ShapeError: a value of another shape.
     """
     numbers = as_numbers(what, value, unit)
     if numbers.shape != shape:
@@ -35,10 +35,10 @@ def shaped(what: str, value: object, shape: tuple[int, ...], unit: str = "") -> 
 
 
 def within(what: str, value: object, bounds: tuple[float, float], unit: str) -> float:
-    """A value as one number within bounds, which belong to what is allowed.
+    """Convert a value to one number within bounds, which are allowed themselves.
 
     Raises:
-        InvalidValueError: not a number, or outside.
+        InvalidValueError: a value that is not a number, or is out of bounds.
         ShapeError: more than one number.
     """
     number = float(shaped(what, value, (), unit))
@@ -49,10 +49,10 @@ def within(what: str, value: object, bounds: tuple[float, float], unit: str) -> 
 
 
 def whole(what: str, value: object, least: int) -> int:
-    """A value as a whole number, at least the least that is allowed.
+    """Convert a value to a whole number that is not below the least allowed one.
 
     Raises:
-        InvalidValueError: not a whole number, or below.
+        InvalidValueError: a value that is not a whole number, or is below `least`.
     """
     if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
         raise InvalidValueError(what, value, f"a whole number, at least {least}")

@@ -1,4 +1,4 @@
-"""The keywords of `gymnasium.make`, as one validated value."""
+"""The common keywords of `gymnasium.make`, as one validated value."""
 
 import math
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ UNLIMITED_TORQUE = 1e6
 OptionsT = TypeVar("OptionsT")
 
 
-_TORQUE_LIMITS = "'scenario', None, a number or one number a joint"
+_TORQUE_LIMITS = "'scenario', None, a number or one number for each joint"
 
 TorqueLimit = float | tuple[float, ...] | str | None
 
@@ -42,18 +42,21 @@ class EnvConfig:
     Raises:
         UnknownNameError: a scenario, action mode, render mode or camera that does not exist.
         InvalidValueError: a control frequency that does not divide the substep rate, a duration that is
-            not a whole number of control periods, a torque limit or picture size that is not positive.
+            not a whole number of control periods, a torque limit or frame size that is not positive.
     """
 
     scenario: str = field(
-        default="randomized", metadata=describe("", "`report`, `randomized` or `realistic`")
+        default="randomized",
+        metadata=describe("", "conditions of the episodes: `report`, `randomized` or `realistic`"),
     )
     control_frequency: float = field(
         default=500,
-        metadata=describe("Hz", "of actions; must divide 1000, and 500 in other modes than `torque`"),
+        metadata=describe(
+            "Hz", "frequency of actions; must divide 1000, and 500 in action modes other than `torque`"
+        ),
     )
     duration: float = field(
-        default=5.0, metadata=describe("s", "of an episode; a whole number of control periods")
+        default=5.0, metadata=describe("s", "duration of an episode; a whole number of control periods")
     )
     action_mode: str = field(
         default=TORQUE,
@@ -65,15 +68,16 @@ class EnvConfig:
         default="scenario",
         metadata=describe(
             "N·m, N, N·m",
-            "actuator limits: `scenario` for the scenario's, one number or one a joint, None for no limit",
+            "actuator limits: `scenario` for those of the scenario, one number or one for each joint, None"
+            " for no limit",
         ),
     )
     render_mode: str | None = field(
-        default=None, metadata=describe("", "`human`, `rgb_array`, `depth_array` or None")
+        default=None, metadata=describe("", "kind of frames: `human`, `rgb_array`, `depth_array` or None")
     )
-    width: int = field(default=480, metadata=describe("pixel", "of pictures"))
-    height: int = field(default=480, metadata=describe("pixel", "of pictures"))
-    camera: str = field(default="overview", metadata=describe("", "`overview` or `top`"))
+    width: int = field(default=480, metadata=describe("pixel", "width of frames"))
+    height: int = field(default=480, metadata=describe("pixel", "height of frames"))
+    camera: str = field(default="overview", metadata=describe("", "camera: `overview` or `top`"))
 
     def __post_init__(self) -> None:
         load_scenario(self.scenario)
@@ -107,7 +111,7 @@ class EnvConfig:
 
     @property
     def substeps(self) -> int:
-        """Time steps of the physics in a control period."""
+        """Number of time steps of the physics in a control period."""
         return round(SUBSTEPS_PER_SECOND / self.control_frequency)
 
     @property
@@ -122,19 +126,19 @@ class EnvConfig:
 
     @property
     def horizon(self) -> int:
-        """Control periods in an episode."""
+        """Number of control periods in an episode."""
         return round(self.duration * self.control_frequency)
 
     def at_most(self, steps: int) -> Self:
-        """The same with episodes of so many control periods at most."""
+        """The same keywords with episodes of at most a number of control periods."""
         return replace(self, duration=min(self.horizon, steps) / self.control_frequency)
 
     def load_scenario(self) -> Scenario:
-        """The scenario by its name."""
+        """Load the scenario that the keyword names."""
         return load_scenario(self.scenario)
 
     def _make_plain(self) -> None:
-        """Python numbers throughout, so that equal keywords make equal values."""
+        """Convert to Python numbers, so that equal keywords compare equal."""
         object.__setattr__(self, "torque_limit", _plain_limit(self.torque_limit))
         for name in ("control_frequency", "duration"):
             object.__setattr__(self, name, float(getattr(self, name)))
@@ -143,10 +147,10 @@ class EnvConfig:
         """Actuator limits (joints) [N m, N, N m].
 
         Args:
-            nominal: the robot's own (joints).
+            nominal: Nominal actuator limits of the robot (joints) [N m, N, N m].
 
         Raises:
-            InvalidValueError: not one number, nor as many as the robot has joints.
+            InvalidValueError: neither one number nor as many as the robot has joints.
         """
         if self.torque_limit == "scenario":
             return self.load_scenario().torque_limit_factor * np.array(nominal)
@@ -159,10 +163,10 @@ class EnvConfig:
 
 
 def _plain_limit(limit: TorqueLimit) -> TorqueLimit:
-    """A torque limit in Python's own numbers.
+    """Convert a torque limit to Python numbers.
 
     Raises:
-        InvalidValueError: neither `scenario` nor None nor numbers above 0.
+        InvalidValueError: a limit that is neither `scenario` nor None nor numbers above 0.
     """
     if limit is None or (isinstance(limit, str) and limit == "scenario"):
         return limit
@@ -185,18 +189,18 @@ def _is_whole(value: float) -> bool:
 def parse_keywords(
     keywords: Mapping[str, object], options_class: type[OptionsT], others: frozenset[str] = frozenset()
 ) -> tuple[EnvConfig, OptionsT]:
-    """Sort keywords into the common ones and the task's own.
+    """Split keywords into the common ones and the task's own.
 
     Args:
-        keywords: as given to `gymnasium.make`.
-        options_class: dataclass of the task's own keywords.
-        others: keywords beside these, which a message about an unknown one should name.
+        keywords: Keywords given to `gymnasium.make`.
+        options_class: Dataclass of the task's own keywords.
+        others: Further keywords, which the message about an unknown one lists.
 
     Returns:
-        the common keywords and the task's.
+        The common keywords and the task's own.
 
     Raises:
-        UnknownNameError: a keyword that neither knows.
+        UnknownNameError: a keyword that does not exist.
     """
     common = {entry.name for entry in fields(EnvConfig)}
     own = {entry.name for entry in fields(options_class)}  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""`PRPEnv`: the Gymnasium environment, a loop of one."""
+"""`PRPEnv`: the Gymnasium environment, an episode loop with N = 1."""
 
 from typing import Any
 
@@ -16,21 +16,22 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks.spec import TASKS
 
 _ONLY = np.array([0])
-_ONE_VALUE = ((),)  # of a reset option
+_ONE_VALUE = ((),)  # leading dimensions of a reset option
 
 
 class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
     """One robot and one task.
 
-    Actions are Box(-1, 1, (size,), float32): torques over their limits, or what the `action_mode` makes of
-    them; observations a flat float64 vector that `observation_layout` splits into named fields.
+    The action space is Box(-1, 1, (size,), float32): joint torques normalised by the actuator limits, or the
+    inputs of another `action_mode`. Observations are flat float64 vectors, which `observation_layout` splits
+    into named fields.
 
     Args:
         task: Id of a registered task, such as `PRP-Force-v0`.
-        keywords: see `EnvConfig`, and the task's own in `options_class`.
+        keywords: Common keywords, see `EnvConfig`, and the task's own.
 
     Raises:
-        PRPError: a keyword that does not exist or a value that is not allowed; `human` without a display.
+        PRPError: a keyword that does not exist, a value that is not allowed, or `human` without a display.
     """
 
     metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES), "render_fps": 500}  # noqa: RUF012
@@ -50,22 +51,22 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         self._action_shape = self.action_space.shape
 
     def make_loop(self, num_envs: int = 1, num_threads: int = 1) -> EpisodeLoop:
-        """A new loop of environments made with this one's keywords."""
+        """Make another loop of environments with the keywords of this one."""
         return self.new_loop(num_envs, num_threads)
 
     @property
     def ground_truth(self) -> Array:
-        """What is true now (size), laid out as `task.ground_truth_layout`; policies see the observation."""
+        """Ground truth (size), laid out as `task.ground_truth_layout`; policies see the observation."""
         return self.ground_truth_of(0)
 
     @property
     def commanded_torque(self) -> Array:
-        """Joint torques that the last action asked for, within the limits (joints) [N m, N, N m]."""
+        """Joint torques commanded by the last action, within the limits (joints) [N m, N, N m]."""
         return self.commanded_torque_of(0)
 
     @property
     def applied_torque(self) -> Array:
-        """Joint torques that acted in the last step, late and noisy where the scenario says so (joints)."""
+        """Joint torques applied in the last step, after actuation delay and noise (joints) [N m, N, N m]."""
         return self.applied_torque_of(0)
 
     def reset(
@@ -74,14 +75,14 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         """Start an episode.
 
         Args:
-            seed: of the environment's generator; the same seed gives the same bits.
-            options: values that replace what is drawn, as `task.reset_options` declares them.
+            seed: Seed of the environment's generator; equal seeds give equal episodes, bit for bit.
+            options: Values that replace drawn ones, as `task.reset_options` declares them.
 
         Returns:
-            the observation (size) and an `info` with the time [s].
+            The observation (size) and an `info` with the time [s].
 
         Raises:
-            UnknownNameError: an option that the task does not take.
+            UnknownNameError: an option that the task does not have.
             ShapeError: an option of another shape.
             NonFiniteError: NaN or infinity in an option.
             JointLimitError: a start or goal outside the joint limits.
@@ -94,20 +95,20 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         return observation[0], {"time": 0.0}
 
     def step(self, action: NDArray[Any]) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """One control period.
+        """Advance by one control period.
 
         Args:
-            action: (size) its parts over their bounds; what is beyond ±1 is clipped, and torques that are so
-                are counted in `info`.
+            action: Action (size), normalised by the bounds of its fields; values beyond ±1 are clipped, and
+                saturated torques are counted in `info`.
 
         Returns:
-            observation (size), reward [s], whether the simulation diverged, whether the duration is
-            over, and `info`: every reward term (they sum to the reward) [s], costs and time.
+            Observation (size), reward [s], whether the simulation diverged, whether the duration is over, and
+            `info`: every reward term [s] (their sum is the reward), costs and time.
 
         Raises:
-            ShapeError: another shape.
+            ShapeError: an action of another shape.
             NonFiniteError: NaN or infinity in the action.
-            EpisodeError: before the first `reset`, or after a divergence.
+            EpisodeError: a step before the first `reset`, or after a divergence.
         """
         values = as_numbers("action", action)
         if values.shape != self._action_shape:
@@ -122,12 +123,12 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         """Draw the arm, the goal, the reference path, the surface and the contact force.
 
         Returns:
-            (height, width, 3) uint8 in mode `rgb_array`, (height, width) float32 distances [m] in mode
-            `depth_array`, None in mode `human`, which shows a window.
+            Colours (height, width, 3) uint8 in mode `rgb_array`, distances (height, width) float32 [m] in
+            mode `depth_array`, None in mode `human`, which shows a window.
 
         Raises:
             EpisodeError: the environment was made without a `render_mode`, or was never reset.
-            RenderingError: nothing can be drawn on this machine.
+            RenderingError: this machine cannot draw.
         """
         if self.render_mode != "human":
             return self.frame(0)
@@ -139,11 +140,11 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         return None
 
     def close(self) -> None:
-        """Free window and drawing context."""
+        """Close the window and free the rendering context."""
         self.close_renderer()
 
     def get_state(self) -> EnvState:
-        """Copy of all that determines how the environment goes on, its generator included.
+        """A copy of the complete state of the environment, its generator included.
 
         Raises:
             EpisodeError: the environment was never reset.
@@ -151,15 +152,15 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         return self.save((self.np_random,))
 
     def set_state(self, state: EnvState) -> Array:
-        """Go back to a saved state, bit for bit.
+        """Restore a saved state, bit for bit.
 
         Args:
-            state: from `get_state` of this environment or of one made with the same keywords.
+            state: State from `get_state` of this environment or of one made with the same keywords.
 
         Returns:
-            the observation (size).
+            The observation (size).
 
         Raises:
-            InvalidValueError: a state of an environment of another kind, or made with other keywords.
+            InvalidValueError: a state of another kind of environment, or of one made with other keywords.
         """
         return np.asarray(self.restore(state, (self.np_random,))[0])

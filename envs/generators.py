@@ -1,4 +1,4 @@
-"""The random generators of N environments, each its own."""
+"""The random generators of N environments."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,12 +14,12 @@ Seeds = int | Sequence[int | None] | NDArray[np.integer[Any]] | None
 
 
 class Generators:
-    """One generator an environment, seeded as Gymnasium seeds that of a single one.
+    """One generator for each environment, seeded as Gymnasium seeds that of a single environment.
 
-    A generator that was given no seed draws one when it is first asked for.
+    A generator without a given seed draws one when it is first used.
 
     Args:
-        num_envs: N.
+        num_envs: Number of environments N.
     """
 
     def __init__(self, num_envs: int) -> None:
@@ -31,32 +31,32 @@ class Generators:
         return self.seed(index, None) if made is None else made
 
     def seed(self, index: int, seed: int | None) -> np.random.Generator:
-        """A new generator for one environment; None draws its seed."""
+        """Make a new generator for one environment; None draws its seed."""
         made, self._seeds[index] = seeding.np_random(seed)
         self._made[index] = made
         return made
 
     @property
     def all(self) -> tuple[np.random.Generator, ...]:
-        """The generators (N)."""
+        """The generators of the environments (N)."""
         return tuple(self[index] for index in range(len(self._made)))
 
     @property
     def seeds(self) -> tuple[int | None, ...]:
-        """Their seeds (N)."""
+        """The seeds of the generators (N)."""
         return tuple(self.seed_of(index) for index in range(len(self._made)))
 
     def seed_of(self, index: int) -> int | None:
-        """The seed of one generator."""
-        self[index]  # draws one where none was given
+        """The seed of the generator of one environment."""
+        self[index]  # draws a seed if none was given
         return self._seeds[index]
 
     def own_seeds(self, seed: Seeds) -> list[int | None]:
-        """A seed an environment (N): `seed + i` from one number, else as they are given.
+        """One seed for each environment (N): `seed + i` from one number, otherwise the given ones.
 
         Raises:
-            InvalidValueError: a seed that is no whole number, or negative.
-            ShapeError: another number of seeds.
+            InvalidValueError: a seed that is not a whole number, or is negative.
+            ShapeError: a number of seeds other than N.
         """
         count = len(self._made)
         given = seed.tolist() if isinstance(seed, np.ndarray) else seed

@@ -1,4 +1,4 @@
-"""What one environment and many together have in common: keywords, task, loop, pictures."""
+"""The base of the single and the vector environment: keywords, task, loop, frames, saved states."""
 
 import warnings
 from collections.abc import Callable, Mapping
@@ -27,11 +27,16 @@ from prp_gym.tasks.task import Task, TaskNumbers, TaskSetup
 
 TaskMaker = Callable[[EnvConfig], Task]
 
-_VIEW: dict[str, Any] = {"render_mode": None, "width": 1, "height": 1, "camera": "top"}  # how one looks on
+_VIEW: dict[str, Any] = {
+    "render_mode": None,
+    "width": 1,
+    "height": 1,
+    "camera": "top",
+}  # keywords of rendering, which do not affect states
 
 
 class EnvState(NamedTuple):
-    """Saved environments; see `PRPEnv.get_state`."""
+    """The saved state of environments; see `PRPEnv.get_state`."""
 
     loop: LoopState
     config: EnvConfig
@@ -40,16 +45,16 @@ class EnvState(NamedTuple):
 
 
 def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_threads: int) -> EpisodeLoop:
-    """N environments of a task, with what their actions mean.
+    """Make the loop of N environments of a task, in the action mode of the keywords.
 
     Args:
-        make_task: from keywords, at their control frequency.
-        config: common keywords.
-        num_envs: N.
-        num_threads: of the physics; 0 takes all cores.
+        make_task: Makes the task at the control frequency of given keywords.
+        config: Common keywords.
+        num_envs: Number of environments N.
+        num_threads: Number of threads of the physics; 0 takes all cores.
 
     Raises:
-        PRPError: a mode that does not exist, or that the task's observations do not serve.
+        PRPError: a mode that does not exist, or that reads observation fields that the task does not have.
     """
     inner = config.inner
     task = make_task(inner)
@@ -61,7 +66,7 @@ def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_thread
 
 
 class LoopEnvironment:
-    """N environments around one loop, and what they were made with."""
+    """N environments around one episode loop, with the keywords that they were made with."""
 
     config: EnvConfig
     options: object
@@ -70,38 +75,38 @@ class LoopEnvironment:
     _renderer: OffscreenRenderer | WindowRenderer | None = None
 
     def new_loop(self, num_envs: int, num_threads: int) -> EpisodeLoop:
-        """A new loop of N environments made with these keywords."""
+        """Make another loop of N environments with these keywords."""
         return make_loop(self.make_task, self.config, num_envs, num_threads)
 
     def make_task(self, config: EnvConfig) -> Task:
-        """The task at the control frequency of some keywords."""
+        """Make the task at the control frequency of given keywords."""
         numbers = TaskNumbers.read(self.task_spec.numbers)
         period = 1.0 / config.control_frequency
         return Task(self.task_spec, TaskSetup(numbers, config.load_scenario(), self.options, period))
 
     @property
     def loop(self) -> EpisodeLoop:
-        """What counts time and puts physics and task together."""
+        """The episode loop, which counts time and connects physics and task."""
         return self._loop
 
     @property
     def observation_layout(self) -> ObservationLayout:
-        """Where each field lies in an observation."""
+        """The layout of an observation, with the position of each field."""
         return self._loop.task.layout
 
     @property
     def physics(self) -> Simulation:
-        """The simulated world, with one simulation an environment."""
+        """The physics, with one simulation for each environment."""
         return self._loop.physics
 
     @property
     def task(self) -> Task:
-        """What is asked of the robot."""
+        """The task: starts, references and errors."""
         return self._loop.task
 
     @property
     def arm(self) -> PRPArm | Link:
-        """The nominal robot: the model that policies may know, whatever the plant really is."""
+        """The nominal robot: the model that policies may use, whatever the plant of an episode is."""
         return self._loop.task.model
 
     @property
@@ -111,7 +116,7 @@ class LoopEnvironment:
 
     @property
     def control_frequency(self) -> float:
-        """Actions a second [Hz]."""
+        """The control frequency, at which actions are taken [Hz]."""
         return self.config.control_frequency
 
     @property
@@ -126,25 +131,25 @@ class LoopEnvironment:
 
     @property
     def render_fps(self) -> int:
-        """Pictures a second that show the motion at its own speed, one an action, at least 1."""
+        """Frames per second that show the motion in real time, with one frame for each action; at least 1."""
         return max(1, round(self.config.control_frequency))
 
     @property
     def action_mode(self) -> str:
-        """What an action means."""
+        """The name of the action mode."""
         return self.config.action_mode
 
     @property
     def action_fields(self) -> tuple[ActionField, ...]:
-        """The parts of an action, with units and bounds."""
+        """The fields of an action, with units and bounds."""
         return self._loop.action_fields
 
     def make_action_space(self) -> Box:
-        """Of one environment: the action's parts over their bounds."""
+        """Make the action space of one environment: action fields normalised by their bounds."""
         return Box(-1.0, 1.0, (self._loop.action_size,), np.float32)
 
     def ground_truth_of(self, index: int) -> Array:
-        """What is true of one environment now (size), laid out as `task.ground_truth_layout`."""
+        """The ground truth of one environment (size), laid out as `task.ground_truth_layout`."""
         return np.array(self._loop.ground_truth[index])
 
     @property
@@ -154,31 +159,31 @@ class LoopEnvironment:
         return np.array(getattr(self, "ground_truth"))  # noqa: B009 (of the subclasses)
 
     def commanded_torque_of(self, index: int) -> Array:
-        """Joint torques that the last action of one environment asked for, limited (joints) [N m, N, N m]."""
+        """Joint torques commanded in the last step of one environment, limited (joints) [N m, N, N m]."""
         return np.array(self._loop.commanded_torque[index])
 
     def applied_torque_of(self, index: int) -> Array:
-        """Joint torques that acted in the last step of one environment (joints) [N m, N, N m]."""
+        """Joint torques applied in the last step of one environment (joints) [N m, N, N m]."""
         return np.array(self.physics.torque[index])
 
     def checked_options(
         self, options: Mapping[str, Any], leads: tuple[tuple[int, ...], ...]
     ) -> dict[str, Array]:
-        """Reset options as numbers.
+        """Validate reset options.
 
         Args:
-            options: by name.
-            leads: the leading dimensions that values may have: () is one value for all environments, (N) one
-                an environment.
+            options: Reset options by name.
+            leads: Leading dimensions that values may have: () is one value for all environments, (N) is one
+                for each of them.
 
         Returns:
-            (N, *shape) by name.
+            Values (N, *shape) by name.
 
         Raises:
-            UnknownNameError: an option that the task does not take.
+            UnknownNameError: an option that the task does not have.
             ShapeError: an option of another shape.
             NonFiniteError: NaN or infinity in an option.
-            InvalidValueError: not a dictionary, or values that are no numbers.
+            InvalidValueError: options that are not a dictionary, or values that are not numbers.
         """
         if not isinstance(options, Mapping):
             raise InvalidValueError("reset options", options, "a dictionary")
@@ -197,11 +202,11 @@ class LoopEnvironment:
         return checked
 
     def frame(self, index: int) -> NDArray[Any]:
-        """One environment as (height, width, 3) uint8, or as (height, width) float32 distances [m].
+        """Draw one environment: colours (height, width, 3) uint8, or distances (height, width) float32 [m].
 
         Raises:
-            EpisodeError: made without a `render_mode`, or never reset.
-            RenderingError: nothing can be drawn on this machine.
+            EpisodeError: environments that were made without a `render_mode`, or never reset.
+            RenderingError: this machine cannot draw.
         """
         config, physics = self.config, self.physics
         self.require_rendering()
@@ -214,7 +219,7 @@ class LoopEnvironment:
         """Refuse to draw without a `render_mode` or an episode.
 
         Raises:
-            EpisodeError: made without a `render_mode`, or never reset.
+            EpisodeError: environments that were made without a `render_mode`, or never reset.
         """
         if self.config.render_mode is None:
             raise EpisodeError(
@@ -223,7 +228,7 @@ class LoopEnvironment:
         self.require_started("render")
 
     def overlay(self, index: int) -> list[OverlayItem]:
-        """What is drawn beside one environment's robot: goal, reference path, contact force."""
+        """The overlay of one environment's frames: goal, reference path, contact force."""
         overlay = self.task.overlay(index, self.duration)
         force = self.physics.contact_force[index]
         if np.any(force):
@@ -231,7 +236,7 @@ class LoopEnvironment:
         return overlay
 
     def require_started(self, method: str) -> None:
-        """Refuse what needs an episode before there is one.
+        """Refuse a method that needs an episode before the first one has begun.
 
         Raises:
             EpisodeError: no episode has begun.
@@ -240,31 +245,33 @@ class LoopEnvironment:
             raise EpisodeError(f"{method}() needs an episode: call reset() first.")
 
     def save(self, generators: tuple[np.random.Generator, ...]) -> EnvState:
-        """Copy of all that determines how the environments go on, their generators included.
+        """A copy of the complete state of the environments, their generators included.
 
         Raises:
-            EpisodeError: never reset.
+            EpisodeError: environments that were never reset.
         """
         self.require_started("get_state")
         states = tuple(dict(generator.bit_generator.state) for generator in generators)
         return EnvState(self._loop.get_state(), self.config, self.options, states)
 
     def restore(self, state: EnvState, generators: tuple[np.random.Generator, ...]) -> Array:
-        """Go back to a saved state, bit for bit.
+        """Restore a saved state, bit for bit.
 
         Args:
-            state: from `save` of these environments or of such made with the same keywords.
-            generators: (N) that are put back too.
+            state: State from `save` of these environments or of others made with the same keywords.
+            generators: Generators of the environments (N), whose states are restored too.
 
         Returns:
-            the observations (N, size).
+            Observations (N, size).
 
         Raises:
-            InvalidValueError: no state of environments, one of environments of another kind or number, or
-                made with other keywords.
+            InvalidValueError: a value that is not a saved state, or a state of another kind or number of
+                environments or of ones made with other keywords.
         """
         if not isinstance(state, EnvState):
-            raise InvalidValueError("saved state", type(state).__name__, "what get_state returned here")
+            raise InvalidValueError(
+                "saved state", type(state).__name__, "an EnvState, from get_state of such an environment"
+            )
         found = state.loop.rest["task"].environment_id
         if found != self.task.environment_id:
             raise InvalidValueError("saved state's task", found, self.task.environment_id)
@@ -276,7 +283,7 @@ class LoopEnvironment:
         return observation
 
     def close_renderer(self) -> None:
-        """Free window and drawing context."""
+        """Close the window and free the rendering context."""
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None

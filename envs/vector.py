@@ -1,4 +1,4 @@
-"""`PRPVectorEnv`: many environments of one task, stepped together on MuJoCo's native threads."""
+"""`PRPVectorEnv`: N environments of one task, stepped together on MuJoCo's native threads."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -26,7 +26,7 @@ Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
 
 
 class VectorState(NamedTuple):
-    """Saved environments, and which of them wait for their reset; see `PRPVectorEnv.get_state`."""
+    """The saved state of environments, and which of them wait for their reset; see `get_state`."""
 
     environments: EnvState
     ended: Mask
@@ -35,23 +35,23 @@ class VectorState(NamedTuple):
 class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[Any], NDArray[Any]]):
     """N environments of one task.
 
-    Environment i gives, bit for bit, what an environment of its own with the same seed and actions gives,
-    whatever N and the number of threads. Observations, rewards and `info` are new arrays at every step.
-    Up to 128 simulations keep a third of a megabyte each; more of them share what the threads need.
+    Environment i gives the same results, bit for bit, as a single environment with the same seed and actions,
+    whatever N and the number of threads. Observations, rewards and `info` are new arrays at every step. Up to
+    128 simulations take a third of a megabyte of memory each; larger numbers share the memory of the threads.
 
     Args:
         task: Id of a registered task, such as `PRP-Force-v0`.
-        num_envs: N.
-        num_threads: that step the physics; 0 takes all cores, one for four environments at most.
-        autoreset_mode: when an episode that ended begins anew: with the next step (`NextStep`), within the
-            same step (`SameStep`, the last observation is `info["final_obs"]`), or when `reset` is called
-            with `options={"reset_mask": ...}` (`Disabled`).
-        max_episode_steps: after which an episode is over at the latest, as Gymnasium's `TimeLimit` ends it;
-            None for the `duration` alone.
-        keywords: those of the single environment; every environment has the same.
+        num_envs: Number of environments N.
+        num_threads: Number of threads of the physics; 0 takes all cores, at most one for four environments.
+        autoreset_mode: When an environment is reset after the end of its episode: in the next step
+            (`NextStep`), in the same step (`SameStep`; the last observation is `info["final_obs"]`), or when
+            `reset` is called with `options={"reset_mask": ...}` (`Disabled`).
+        max_episode_steps: Largest number of steps in an episode, as with Gymnasium's `TimeLimit`; None leaves
+            the `duration` alone.
+        keywords: Keywords of the single environment, the same for every environment.
 
     Attributes:
-        generators: of the environments.
+        generators: Random generators of the environments.
 
     Raises:
         PRPError: a keyword that does not exist or a value that is not allowed.
@@ -83,7 +83,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         self._describe()
 
     def _describe(self) -> None:
-        """Gymnasium's attributes."""
+        """Set the attributes that Gymnasium expects."""
         modes = [mode for mode in RENDER_MODES if mode != "human"]
         self.metadata = {"render_modes": modes, "render_fps": self.render_fps, "autoreset_mode": self._mode}
         self.render_mode = self.config.render_mode
@@ -94,7 +94,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     @cached_property
     def envs(self) -> tuple[EnvironmentView, ...]:
-        """The environments one by one (N), to look at."""
+        """Views of the single environments (N)."""
         return tuple(EnvironmentView(self, index) for index in range(self.num_envs))
 
     @property
@@ -104,53 +104,53 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     @property
     def commanded_torque(self) -> Array:
-        """Joint torques that the last actions asked for, within the limits (N, joints) [N m, N, N m]."""
+        """Joint torques commanded by the last actions, limited (N, joints) [N m, N, N m]."""
         return self._loop.commanded_torque.copy()
 
     @property
     def applied_torque(self) -> Array:
-        """Joint torques that acted in the last step (N, joints) [N m, N, N m]."""
+        """Joint torques applied in the last step (N, joints) [N m, N, N m]."""
         return np.array(self.physics.torque)
 
     @property  # type: ignore[misc]
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
-        """The environments' own generators (N)."""
+        """The generators of the environments (N)."""
         return self.generators.all
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
-        """The seeds of the environments' generators (N)."""
+        """The seeds of the generators (N)."""
         return self.generators.seeds
 
     def reset(
         self, *, seed: Seeds = None, options: Mapping[str, Any] | None = None
     ) -> tuple[Array, dict[str, Any]]:
-        """Start an episode in every environment, or in some.
+        """Start new episodes in all environments, or in some.
 
         Args:
-            seed: of the generators: one number gives environment i the seed `seed + i`; or one an
-                environment; None leaves a generator as it is.
-            options: values that replace what is drawn, as `task.reset_options` declares them, one for
-                all environments or one an environment (N, ...); and `reset_mask` (N), which environments to
-                reset, all by default. The others go on as they were.
+            seed: Seed of the generators: from one number, environment i takes `seed + i`; otherwise one for
+                each environment; None leaves a generator as it is.
+            options: Values that replace drawn ones, as `task.reset_options` declares them, one for all
+                environments or one for each (N, ...); and `reset_mask` (N), the environments to reset, all by
+                default. The others continue their episodes.
 
         Returns:
-            the observations (N, size) and an `info` with the time [s].
+            Observations (N, size) and an `info` with the time [s].
 
         Raises:
-            UnknownNameError: an option that the task does not take.
+            UnknownNameError: an option that the task does not have.
             ShapeError: an option or seeds of another shape.
             NonFiniteError: NaN or infinity in an option.
-            InvalidValueError: a mask that is none, or that leaves out what was never reset; options that
-                are no dictionary; a seed that is no whole number, or negative.
+            InvalidValueError: a value that is not a mask, or a mask without an environment that was never
+                reset; options that are not a dictionary; a seed that is negative or not a whole number.
             JointLimitError: a start or goal outside the joint limits.
         """
         if not isinstance(options, Mapping | None):
             raise InvalidValueError("reset options", options, "a dictionary")
-        target_impedance = dict(options or {})
+        requested = dict(options or {})
         everyone = np.ones(self.num_envs, dtype=np.bool_)
-        mask = checked_mask(target_impedance.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
-        checked = self.checked_options(target_impedance, ((), (self.num_envs,)))
+        mask = checked_mask(requested.pop(RESET_MASK, everyone), self.num_envs, self._loop.started)
+        checked = self.checked_options(requested, ((), (self.num_envs,)))
         seeds = self.generators.own_seeds(seed)
         for index in np.flatnonzero(mask):
             if seeds[index] is not None:
@@ -160,27 +160,27 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         return observation, start_info(mask)
 
     def _begin(self, mask: Mask, options: Mapping[str, Array]) -> Array:
-        """Start episodes; the observations of all."""
+        """Start new episodes in some environments; returns the observations of all."""
         ids = np.flatnonzero(mask)
         generators = [self.generators[int(index)] for index in ids]
         return self._loop.reset(ids, generators, {name: values[ids] for name, values in options.items()})
 
     def step(self, actions: NDArray[Any]) -> Steps:
-        """One control period of every environment.
+        """Advance every environment by one control period.
 
         Args:
-            actions: (N, size) their parts over their bounds; what is beyond ±1 is clipped, and torques that
-                are so are counted in `info`. Those of environments that begin anew with this step do not
-                count.
+            actions: Actions (N, size), normalised by the bounds of their fields; values beyond ±1 are
+                clipped, and saturated torques are counted in `info`. Actions of environments that are reset
+                in this step are ignored.
 
         Returns:
-            observations (N, size), rewards (N) [s], whether a simulation diverged (N), whether a duration is
-            over (N), and `info`: as a single environment's, an array (N) and a mask (N) a number.
+            Observations (N, size), rewards (N) [s], whether each simulation diverged (N), whether each
+            duration is over (N), and `info`: for each number of a single one, an array and a mask (N).
 
         Raises:
-            ShapeError: another shape.
+            ShapeError: actions of another shape.
             NonFiniteError: NaN or infinity in an action.
-            EpisodeError: before the first `reset`; with autoreset disabled, after the end of an episode.
+            EpisodeError: a step before the first `reset`, or, without autoreset, after an episode's end.
         """
         values = as_numbers("actions", actions)
         if values.shape != self.action_space.shape:
@@ -197,17 +197,17 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         return self._finished(self._loop.step(values), ~ended)
 
     def _finished(self, step: Step, stepped: Mask) -> Steps:
-        """A step of some environments, after which nothing begins anew."""
+        """The results of a step of some environments, after which none is reset."""
         self._ended = step.terminated | step.truncated
         info = step_info(self._names, step.info, stepped)
         return step.observation, step.reward, step.terminated, step.truncated, info
 
     def _next_step(self, values: Array, begins: Mask) -> Steps:
-        """A step in which some environments begin anew."""
+        """A step in which some environments are reset."""
         if begins.all():
-            observation, nothing = self._begin(begins, {}), np.zeros(self.num_envs)
+            observation, zero = self._begin(begins, {}), np.zeros(self.num_envs)
             self._ended = np.zeros_like(begins)
-            return observation, nothing, ~begins, ~begins, start_info(begins)
+            return observation, zero, ~begins, ~begins, start_info(begins)
         step = self._loop.step(values, begins)
         step = Step(
             self._begin(begins, {}),
@@ -221,7 +221,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         return outcome
 
     def _same_step(self, step: Step) -> Steps:
-        """A step after which episodes that ended begin anew."""
+        """A step after which the environments whose episodes ended are reset."""
         ended = step.terminated | step.truncated
         stepped = ~ended
         info = step_info(self._names, step.info, stepped)
@@ -235,11 +235,11 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         return self._begin(ended, {}), step.reward, step.terminated, step.truncated, info
 
     def render(self) -> tuple[NDArray[Any], ...]:
-        """A picture of every environment; see `PRPEnv.render`."""
+        """Draw a frame of every environment; see `PRPEnv.render`."""
         return tuple(self.frame(index) for index in range(self.num_envs))
 
     def call(self, name: str, *arguments: Any, **keywords: Any) -> tuple[Any, ...]:
-        """An attribute of every environment, or what it returns where it is a method."""
+        """An attribute of every environment, or its result where it is a method."""
         found = [view.get_wrapper_attr(name) for view in self.envs]
         return tuple(item(*arguments, **keywords) if callable(item) else item for item in found)
 
@@ -251,7 +251,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         """Set an attribute of every environment, to one value or, from a list or tuple, to one each.
 
         Raises:
-            ShapeError: another number of values.
+            ShapeError: a number of values other than N.
         """
         each = values if isinstance(values, (list, tuple)) else [values] * self.num_envs
         if len(each) != self.num_envs:
@@ -260,33 +260,35 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             view.set_wrapper_attr(name, value)
 
     def close_extras(self, **_: Any) -> None:
-        """Free the drawing context."""
+        """Free the rendering context."""
         self.close_renderer()
 
     def get_state(self) -> VectorState:
-        """Copy of all that determines how the environments go on, their generators included.
+        """A copy of the complete state of the environments, their generators included.
 
         Raises:
-            EpisodeError: never reset.
+            EpisodeError: environments that were never reset.
         """
         return VectorState(self.save(self.np_random), self._ended.copy())
 
     def set_state(self, state: VectorState) -> Array:
-        """Go back to a saved state, bit for bit.
+        """Restore a saved state, bit for bit.
 
         Args:
-            state: from `get_state` of these environments or of such made with the same keywords.
+            state: State from `get_state` of these environments or of others made with the same keywords.
 
         Returns:
-            the observations (N, size).
+            Observations (N, size).
 
         Raises:
-            InvalidValueError: no state of environments, one of environments of another kind or number, or
-                made with other keywords; environments that wait for their reset where that is made in the
-                same step.
+            InvalidValueError: a value that is not a saved state, or a state of another kind or number of
+                environments or of ones made with other keywords; environments that wait for their reset in
+                mode `SameStep`, where none waits.
         """
         if not isinstance(state, VectorState):
-            raise InvalidValueError("saved state", type(state).__name__, "what get_state returned here")
+            raise InvalidValueError(
+                "saved state", type(state).__name__, "a VectorState, from get_state of such an environment"
+            )
         if self._mode is AutoresetMode.SAME_STEP and state.ended.any():
             which = np.flatnonzero(state.ended).tolist()
             raise InvalidValueError("saved state's ended environments", which, "none with SameStep autoreset")

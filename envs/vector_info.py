@@ -1,4 +1,4 @@
-"""Masks of many environments: who is reset, and, in Gymnasium's form of `info`, who has a number."""
+"""Masks of vector environments: which of them are reset, and which have a number in `info`."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -14,16 +14,16 @@ Mask = NDArray[np.bool_]
 
 
 def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
-    """Which environments to reset (N).
+    """Validate the mask of environments to reset (N).
 
     Args:
-        mask: as it is given.
-        num_envs: N.
-        started: whether all were reset before; the first reset covers all.
+        mask: Mask as the user gives it.
+        num_envs: Number of environments N.
+        started: Whether all environments were reset before; the first reset covers all.
 
     Raises:
-        ShapeError: another shape.
-        InvalidValueError: no truth values, none of them True, or some not True at the first reset.
+        ShapeError: a mask of another shape.
+        InvalidValueError: values that are not booleans, none of them True, or one False at the first reset.
     """
     try:
         values = np.asarray(mask)
@@ -39,21 +39,21 @@ def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
 
 
 def start_info(started: Mask) -> dict[str, Any]:
-    """`info` of environments that begin an episode: the time, 0 [s]."""
+    """The `info` of environments at the start of an episode: the time, 0 [s]."""
     return {"time": np.zeros(len(started)), "_time": started.copy()}
 
 
 def step_info(names: Sequence[str], values: Array, stepped: Mask) -> dict[str, Any]:
-    """`info` of a step.
+    """The `info` of a step, in the form of Gymnasium's vector environments.
 
     Args:
-        names: of the numbers.
-        values: (N, number of names).
-        stepped: (N) whose step this is.
+        names: Names of the numbers.
+        values: Values of the numbers (N, number of names).
+        stepped: Mask (N) of the environments that were stepped.
 
     Returns:
-        for every name an array (N), 0 where an environment has no such number, and under the name
-        with an underscore before it a mask (N) of those that have; nothing where nobody was stepped.
+        For every name an array (N), 0 where an environment has no such number, and under the name with a
+        leading underscore the mask (N) of those that have it; empty if no environment was stepped.
     """
     info: dict[str, Any] = {}
     count = np.count_nonzero(stepped)
@@ -66,13 +66,13 @@ def step_info(names: Sequence[str], values: Array, stepped: Mask) -> dict[str, A
 
 
 def final_info(names: Sequence[str], values: Array, observation: Array, ended: Mask) -> dict[str, Any]:
-    """What the last steps of ended episodes returned, beside the observations of the new ones.
+    """The results of the last steps of ended episodes, beside the observations of the new ones.
 
     Args:
-        names: of the numbers.
-        values: (N, number of names).
-        observation: (N, size) of the last step.
-        ended: (N) whose episode ended, at least one.
+        names: Names of the numbers.
+        values: Values of the numbers (N, number of names).
+        observation: Observations of the last step (N, size).
+        ended: Mask (N) of the environments whose episode ended, at least one.
     """
     last = np.full(len(ended), None, dtype=object)
     for index in np.flatnonzero(ended):

@@ -1,4 +1,4 @@
-"""The keywords of many environments beside those of a single one."""
+"""The keywords of vector environments beside those of the single environment."""
 
 import os
 
@@ -9,14 +9,14 @@ from prp_gym.errors import UnknownNameError
 
 OWN_KEYWORDS = frozenset(("num_threads", "autoreset_mode", "max_episode_steps"))
 
-_ENVIRONMENTS_A_THREAD = 4  # fewer, and waking a thread costs more than it saves
+_ENVIRONMENTS_PER_THREAD = 4  # with fewer, waking a thread takes longer than it saves
 
 
 def parse_mode(mode: AutoresetMode | str) -> AutoresetMode:
-    """When an episode that ended begins anew.
+    """When environments are reset after the end of an episode.
 
     Raises:
-        UnknownNameError: no such mode.
+        UnknownNameError: a mode that does not exist.
     """
     try:
         return AutoresetMode(mode)
@@ -25,13 +25,13 @@ def parse_mode(mode: AutoresetMode | str) -> AutoresetMode:
 
 
 def parse_threads(num_threads: int, num_envs: int) -> int:
-    """How many threads step so many environments; 0 takes all cores of this process that pay.
+    """The number of threads for N environments; 0 takes the cores of this process that save time.
 
     Raises:
-        InvalidValueError: not a whole number, or negative.
+        InvalidValueError: a number that is negative or not whole.
     """
     wanted = whole("num_threads", num_threads, 0)
     if wanted > 0:
         return wanted
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return max(1, min(cores, num_envs // _ENVIRONMENTS_A_THREAD))
+    return max(1, min(cores, num_envs // _ENVIRONMENTS_PER_THREAD))

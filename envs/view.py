@@ -1,4 +1,4 @@
-"""One of many environments, to look at."""
+"""A view of one environment of a vector environment."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -31,18 +31,18 @@ _SHARED = frozenset(
         "torque_limit",
     )
 )
-"""What all environments have in common."""
+"""Attributes that all environments of a vector environment share."""
 
 
 class EnvironmentView:
-    """What an environment of its own would show, of one among many; it is stepped with the others alone.
+    """One environment of a vector environment, with the attributes of a single one.
 
-    What all have in common (spaces, task, limits, ...) is that of the vector environment. Attributes may be
-    added, for a user's own purposes.
+    Shared attributes (spaces, task, limits, ...) are those of the vector environment, which alone can reset
+    and step its environments. Users may add attributes of their own.
 
     Args:
-        together: the environments.
-        index: of this one.
+        together: Vector environment.
+        index: Index of this environment.
     """
 
     def __init__(self, together: "PRPVectorEnv", index: int) -> None:
@@ -51,27 +51,27 @@ class EnvironmentView:
 
     @property
     def unwrapped(self) -> "EnvironmentView":
-        """Itself."""
+        """The view itself."""
         return self
 
     @property
     def ground_truth(self) -> Array:
-        """What is true now (size), laid out as `task.ground_truth_layout`."""
+        """Ground truth (size), laid out as `task.ground_truth_layout`."""
         return self._together.ground_truth_of(self.index)
 
     @property
     def commanded_torque(self) -> Array:
-        """Joint torques that the last action asked for (joints) [N m, N, N m]."""
+        """Joint torques commanded by the last action, within the limits (joints) [N m, N, N m]."""
         return self._together.commanded_torque_of(self.index)
 
     @property
     def applied_torque(self) -> Array:
-        """Joint torques that acted in the last step (joints) [N m, N, N m]."""
+        """Joint torques applied in the last step (joints) [N m, N, N m]."""
         return self._together.applied_torque_of(self.index)
 
     @property
     def np_random(self) -> np.random.Generator:
-        """The environment's own generator."""
+        """The generator of this environment."""
         return self._together.generators[self.index]
 
     @property
@@ -81,32 +81,33 @@ class EnvironmentView:
 
     @property
     def observation_space(self) -> "gymnasium.Space[Any]":
-        """Of one environment."""
+        """The observation space of one environment."""
         return self._together.single_observation_space
 
     @property
     def action_space(self) -> "gymnasium.Space[Any]":
-        """Of one environment."""
+        """The action space of one environment."""
         return self._together.single_action_space
 
     def render(self) -> NDArray[Any]:
-        """A picture of this environment; see `PRPEnv.render`."""
+        """Draw a frame of this environment; see `PRPEnv.render`."""
         return self._together.frame(self.index)
 
     def reset(self, **_: object) -> None:
-        """Refused: one among many is reset through them."""
+        """Refused: environments are reset through their vector environment."""
         raise EpisodeError(
-            "one of many environments is reset through them: reset(options={'reset_mask': ...})."
+            "one of many environments cannot be reset by itself: call the vector environment's"
+            " reset(options={'reset_mask': ...})."
         )
 
     def step(self, _: object) -> None:
-        """Refused: one among many is stepped with them."""
+        """Refused: environments are stepped through their vector environment."""
         raise EpisodeError(
-            "one of many environments is stepped with them: call the vector environment's step."
+            "one of many environments cannot be stepped by itself: call the vector environment's step."
         )
 
     def close(self) -> None:
-        """Nothing of its own to free."""
+        """Do nothing: a view owns no resources."""
 
     def get_wrapper_attr(self, name: str) -> Any:
         """An attribute by its name; there are no wrappers."""
@@ -117,7 +118,7 @@ class EnvironmentView:
         return hasattr(self, name)
 
     def set_wrapper_attr(self, name: str, value: Any, *, force: bool = True) -> bool:
-        """Set an attribute by its name, a new one if forced; whether it was set."""
+        """Set an attribute by its name, a new one if forced; returns whether it was set."""
         if force or hasattr(self, name):
             setattr(self, name, value)
             return True
@@ -125,7 +126,7 @@ class EnvironmentView:
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in _SHARED:
-            raise AttributeError(f"{name!r} is that of all environments together and cannot be set for one")
+            raise AttributeError(f"{name!r} is shared by all environments and cannot be set for one of them")
         super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:

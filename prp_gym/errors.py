@@ -1,8 +1,8 @@
-"""Every error that prp_gym raises on purpose: one root, facts as attributes, a message that helps.
+"""The errors that prp_gym raises: one root, facts as attributes, and a message that helps.
 
-Each message says what was wrong, which value, in which unit, and what is allowed. Those about a value
-also derive from `ValueError`, those about a state from `RuntimeError`, so that code which knows nothing
-of this package can catch them. All of them survive pickling, as vector environments in processes need.
+Each message says what was wrong, which value it had, in which unit, and what is allowed. Errors about a value
+also derive from `ValueError` and errors about a state from `RuntimeError`, so that code without knowledge of
+this package can catch them. All of them can be pickled, as vector environments in processes require.
 """
 
 import difflib
@@ -11,21 +11,21 @@ from typing import Any
 
 
 class PRPError(Exception):
-    """Root of all errors raised by prp_gym."""
+    """Root of all errors that prp_gym raises."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (type(self), self.args, vars(self))
 
 
 def _rebuild(kind: type[PRPError], arguments: tuple[Any, ...], facts: dict[str, Any]) -> PRPError:
-    """An unpickled error, with its message and facts, made without running its constructor."""
+    """Rebuild an unpickled error from its message and facts, without running its constructor."""
     error = kind.__new__(kind, *arguments)
     vars(error).update(facts)
     return error
 
 
 class UnknownNameError(PRPError, ValueError):
-    """A name (environment id, law, scenario, option, field) that does not exist."""
+    """A name (environment id, controller, scenario, option, field) that does not exist."""
 
     def __init__(self, kind: str, name: object, valid: Iterable[str]) -> None:
         self.kind = kind
@@ -38,7 +38,7 @@ class UnknownNameError(PRPError, ValueError):
 
 
 class InvalidValueError(PRPError, ValueError):
-    """A value outside what is allowed."""
+    """A value that is not allowed."""
 
     def __init__(self, what: str, value: object, allowed: str, unit: str = "") -> None:
         self.what = what
@@ -60,7 +60,7 @@ class ShapeError(PRPError, ValueError):
 
 
 class NonFiniteError(PRPError, ValueError):
-    """NaN or infinity where a finite number is needed; it never enters the physics."""
+    """NaN or infinity where a finite number is required; it never reaches the physics."""
 
     def __init__(self, what: str, value: object) -> None:
         self.what = what
@@ -115,7 +115,7 @@ class EpisodeError(PRPError, RuntimeError):
 
 
 class CheckpointError(PRPError, RuntimeError):
-    """A checkpoint of training that cannot be read."""
+    """A training checkpoint that cannot be read."""
 
     def __init__(self, path: object, reason: object) -> None:
         self.path = str(path)
@@ -127,7 +127,7 @@ class CheckpointError(PRPError, RuntimeError):
 
 
 class RunFolderError(PRPError, RuntimeError):
-    """A folder of a training run in which this training cannot begin or go on."""
+    """The folder of a training run in which a training can neither start nor resume."""
 
     def __init__(self, path: object, reason: str) -> None:
         self.path = str(path)
@@ -154,7 +154,7 @@ class GainsFileError(PRPError, ValueError):
 
 
 class AgentFileError(PRPError, ValueError):
-    """A trained agent's file that is missing, damaged, altered or of another kind."""
+    """The file of a trained agent that is missing, damaged, altered or of another kind."""
 
     def __init__(self, path: object, what: str) -> None:
         self.path = str(path)
@@ -201,11 +201,11 @@ class PolicyOutputError(PRPError, ValueError):
 
 
 class RenderingError(PRPError, RuntimeError):
-    """A picture that cannot be drawn on this machine or in this mode."""
+    """A frame that cannot be drawn on this machine or in this mode."""
 
 
 class MissingPackageError(PRPError, RuntimeError):
-    """A package that is needed for what was asked for, and is not installed."""
+    """A package that a call requires and that is not installed."""
 
     def __init__(self, package: str, extra: str) -> None:
         self.package = package

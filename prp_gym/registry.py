@@ -1,4 +1,4 @@
-"""`Registry`: declarations by name; the suite's own are found in their folder, others are added."""
+"""`Registry`: declarations by name; the suite's own are found in their folder, others are registered."""
 
 import pkgutil
 import re
@@ -9,25 +9,25 @@ from typing import Generic, Protocol, TypeVar
 from prp_gym.errors import InvalidValueError, UnknownNameError
 
 NOT_IN_THE_REPORT = 1000.0
-"""Chapter of a declaration that the report does not have; it is listed after those that it has."""
+"""Chapter of a declaration without a chapter in the report; it is listed after those with one."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]*")
 
 
 class Declaration(Protocol):
-    """What a registry holds: a frozen value that stands beside the code that it declares."""
+    """An entry of a registry: a frozen value that stands beside the code that it declares."""
 
     @property
     def name(self) -> str:
-        """By which it is found."""
+        """The name by which the declaration is found."""
 
     @property
     def chapter(self) -> float:
-        """Of the report, for the order of lists; `NOT_IN_THE_REPORT` without one."""
+        """Chapter of the report, for the order of lists; `NOT_IN_THE_REPORT` without one."""
 
     @property
     def revision(self) -> int:
-        """Of its behaviour, from 1; every change of results raises it."""
+        """Revision of the declared behaviour, from 1; every change of results raises it."""
 
 
 SpecT = TypeVar("SpecT", bound=Declaration)
@@ -40,8 +40,8 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
     that a new file is enough for a new declaration.
 
     Args:
-        kind: what is registered, for messages.
-        package: whose modules declare the suite's own; imported on first use.
+        kind: Kind of the declarations, for messages.
+        package: Package whose modules hold the suite's own declarations; imported on first use.
     """
 
     def __init__(self, kind: str, package: str) -> None:
@@ -51,10 +51,10 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
         self._complete = False
 
     def register(self, spec: SpecT) -> SpecT:
-        """Add a declaration; the same one may be added again.
+        """Add a declaration; an equal one may be added again.
 
         Raises:
-            InvalidValueError: a name that is taken, or that cannot be a file's name; a revision below 1.
+            InvalidValueError: a name that is taken or that cannot be a file name, or a revision below 1.
         """
         if not isinstance(spec.name, str) or not _NAME.fullmatch(spec.name):
             allowed = "a letter, then letters, digits, '_', '-' or '.'"
@@ -68,19 +68,19 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
         return spec
 
     def unregister(self, name: str) -> None:
-        """Take a declaration away, for tests and notebooks.
+        """Remove a declaration, for tests and notebooks.
 
         Raises:
-            UnknownNameError: there is none of this name.
+            UnknownNameError: no declaration has this name.
         """
         self.find(name)
         del self._specs[name]
 
     def find(self, name: object) -> SpecT:
-        """The declaration of a name.
+        """Find a declaration by its name.
 
         Raises:
-            UnknownNameError: there is none.
+            UnknownNameError: no declaration has this name.
         """
         specs = self._all()
         if not isinstance(name, str) or name not in specs:
@@ -92,14 +92,16 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
 
     def __iter__(self) -> Iterator[str]:
         specs = self._all()
-        return iter(sorted(specs, key=lambda name: specs[name].chapter))  # stable: then as registered
+        return iter(
+            sorted(specs, key=lambda name: specs[name].chapter)
+        )  # a stable sort: ties in the order of registration
 
     def __len__(self) -> int:
         return len(self._all())
 
     def _all(self) -> dict[str, SpecT]:
         if not self._complete:
-            self._complete = True  # at once: what is imported may read the registry
+            self._complete = True  # set first, since the imported modules may read the registry
             try:
                 self._import_package()
             except BaseException:

@@ -1,12 +1,15 @@
 """What tests of several modules need."""
 
 import os
+from collections.abc import Iterator
 
 import pytest
 
+from prp_gym.action_modes import ACTION_MODES, register_action_mode
 from prp_gym.errors import RenderingError
 from prp_gym.physics import Physics
 from prp_gym.physics.rendering import OffscreenRenderer
+from tests.support.synthetic_mode import LATE
 
 
 @pytest.fixture(scope="session")
@@ -18,3 +21,11 @@ def drawing() -> None:
         if os.environ.get("PRP_REQUIRE_RENDERING") == "1":
             pytest.fail(f"PRP_REQUIRE_RENDERING=1, but: {error}")
         pytest.skip(f"no drawing context on this machine: {error}")
+
+
+@pytest.fixture
+def late_mode() -> Iterator[None]:
+    """The action mode `late`, registered for one test."""
+    register_action_mode(LATE)
+    yield
+    ACTION_MODES.unregister(LATE.name)

@@ -97,7 +97,7 @@ class FunctionControllerSpec(ControllerSpec):
     function: Function = dataclass_field(kw_only=True)
 
     def __post_init__(self) -> None:
-        for name in ("__module__", "__qualname__", "__doc__"):
+        for name in ("__module__", "__name__", "__qualname__", "__doc__"):
             object.__setattr__(self, name, getattr(self.function, name))
 
     def __call__(self, *args: Any, **kwargs: Any) -> Array:

@@ -1,1 +1,1 @@
-"""What tasks are composed of."""
+"""The components of which the suite's tasks are composed."""

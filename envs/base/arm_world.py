@@ -1,4 +1,4 @@
-"""The arm as the world of a task, and its starts."""
+"""The arm as the world of a task, and the checks of its initial states."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -18,7 +18,7 @@ from prp_gym.tasks.parts import ResetOption, StartT, World
 from prp_gym.tasks.scenario import PlantDraw
 from prp_gym.tasks.task import TaskSetup
 
-_ROUNDING = 1e-6  # [rad] or [m]: a limit written in single precision, or a sum that ends on it
+_ROUNDING = 1e-6  # [rad] or [m]: spares limits in single precision and sums that end on a limit
 
 ARM_OPTIONS = {
     "joint_position": ResetOption((3,), "rad, m, rad", "initial joint position"),
@@ -31,19 +31,19 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
     """Refuse joint positions (..., 3) [rad, m, rad] outside the joint limits.
 
     Raises:
-        JointLimitError: names the first joint that is outside.
+        JointLimitError: a joint is outside its limits; the first such joint is named.
     """
     low, high = np.array(arm.parameters.joint_lower), np.array(arm.parameters.joint_upper)
     outside = (joint_position < low - _ROUNDING) | (joint_position > high + _ROUNDING)
     if outside.any():
-        place = tuple(np.argwhere(outside)[0].tolist())
-        joint = place[-1]
+        index = tuple(np.argwhere(outside)[0].tolist())
+        joint = index[-1]
         limits = (float(low[joint]), float(high[joint]))
-        raise JointLimitError(what, joint + 1, float(joint_position[place]), limits, JOINT_UNITS[joint])
+        raise JointLimitError(what, joint + 1, float(joint_position[index]), limits, JOINT_UNITS[joint])
 
 
 def checked_start(arm: PRPArm, position: Array, options: Mapping[str, Array]) -> tuple[Array, Array]:
-    """The initial joint position and velocity (3), where reset options replace what was drawn.
+    """The initial joint position and velocity (3), where reset options replace drawn values.
 
     Args:
         arm: Nominal arm.
@@ -64,22 +64,22 @@ def checked_start(arm: PRPArm, position: Array, options: Mapping[str, Array]) ->
 
 
 def arm_physics(physics: Simulation) -> Physics:
-    """A simulation as one of the arm.
+    """Narrow a simulation to one of the arm.
 
     Raises:
         InvalidValueError: a simulation of another robot.
     """
     if not isinstance(physics, Physics):
-        raise InvalidValueError("physics", type(physics).__name__, "the arm's, a Physics")
+        raise InvalidValueError("physics", type(physics).__name__, "a Physics, which simulates the arm")
     return physics
 
 
 class ArmWorld(World[StartT]):
-    """The nominal arm in free space; masses and friction of the plant differ where the scenario says so.
+    """The arm in free space; the scenario may give the plant link-mass errors and joint friction.
 
     Args:
         setup: Numbers, scenario, keywords and period of the task.
-        surface: Whether there is an elastic surface.
+        surface: Whether the world has an elastic surface.
 
     Attributes:
         arm: Nominal arm.
@@ -104,7 +104,7 @@ class ArmWorld(World[StartT]):
     def configure(
         self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[StartT], plants: Sequence[Any]
     ) -> None:
-        """See `World.configure`: masses and friction."""
+        """See `World.configure`: sets link masses and joint friction."""
         if self._scenario.ideal_plant:
             return
         arm_physics(physics).set_dynamics(

@@ -1,4 +1,4 @@
-"""Starts in contact tasks: an elastic surface across the slide's direction, and a path relative to it."""
+"""Starts of contact tasks: an elastic surface perpendicular to the slide, and a path relative to it."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,17 +21,17 @@ from prp_gym.tasks.task import TaskSetup
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
 
 ContactPath = Callable[[Array, Array, Array], Trajectory]
-"""A reference, one row, of the joint position before the contact (3), waypoints (K, 3) [rad, m, rad] and the
-intervals between them (K) [s]."""
+"""Makes a reference, one row, from the joint position before contact (3), waypoints (K, 3) [rad, m, rad] and
+the intervals between them (K) [s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class ContactPoint:
-    """Where the tip meets the surface: the slide moves the tip straight into it.
+    """The point of first contact: the slide moves the tip along the surface normal into it.
 
     Attributes:
         arm: Nominal arm.
-        joint_position: Joint position at the first touch (3) [rad, m, rad].
+        joint_position: Joint position at first contact (3) [rad, m, rad].
         side: +1 if an extending slide presses on the surface, -1 if a retracting one does.
     """
 
@@ -41,7 +41,7 @@ class ContactPoint:
 
     @property
     def normal(self) -> Array:
-        """Normal of the surface, to the free side (3)."""
+        """Unit normal of the surface, which points to its free side (3)."""
         q_1 = self.joint_position[0]
         normal: Array = -self.side * np.array([np.sin(q_1), -np.cos(q_1), 0.0])
         return normal
@@ -55,11 +55,11 @@ class ContactPoint:
         """Joint positions at given depths below the surface.
 
         Args:
-            offsets: Changes of q_1 [rad], depths [m] (negative: off the surface), changes of q_3 [rad],
-                (..., 3).
+            offsets: Changes of q_1 [rad], depths below the surface [m] (negative above it) and changes of
+                q_3 [rad] (..., 3).
 
         Returns:
-            (..., 3) [rad, m, rad].
+            Joint positions (..., 3) [rad, m, rad].
         """
         a_1, turn = self.arm.parameters.geometry.first_link_offset, offsets[..., 0]
         q = np.broadcast_to(self.joint_position, offsets.shape).copy()
@@ -72,13 +72,13 @@ class ContactPoint:
 
 @dataclass(frozen=True, eq=False)
 class ContactStart(EpisodeStart):
-    """A start with its reference and its surface.
+    """The start of an episode with a surface.
 
     Attributes:
         surface: Surface of the episode, one plane.
-        desired_force: Desired force by the tip on the surface, world frame (3) [N]; zero where none is
-            asked for.
-        touch: Point where the tip meets the surface, for frames (3) [m].
+        desired_force: Desired force by the tip on the surface, world frame (3) [N]; zero in tasks
+            without one.
+        touch: Point of first contact, for frame rendering (3) [m].
     """
 
     surface: Surface
@@ -89,8 +89,8 @@ class ContactStart(EpisodeStart):
 class ContactWorld(ArmWorld[ContactStart]):
     """The arm and an elastic surface.
 
-    The surface lies across the slide's direction at the contact point, so that the arm can give way along
-    its normal without turning; other normals may be given.
+    The surface is perpendicular to the slide at the contact point, so that the arm can yield along its normal
+    without rotating; keywords and reset options may give other normals.
     """
 
     measured_fields = (*MEASURED_FIELDS, CONTACT_FORCE)
@@ -105,7 +105,7 @@ class ContactWorld(ArmWorld[ContactStart]):
         starts: Sequence[ContactStart],
         plants: Sequence[Any],
     ) -> None:
-        """See `World.configure`: masses, friction and surfaces."""
+        """See `World.configure`: sets link masses, joint friction and surfaces."""
         super().configure(physics, ids, starts, plants)
         surfaces = [start.surface for start in starts]
         touches = np.stack([start.touch for start in starts])
@@ -113,14 +113,14 @@ class ContactWorld(ArmWorld[ContactStart]):
 
 
 class ContactStarts(StartSampler[ContactStart]):
-    """Starts near a surface.
+    """Samples starts near a surface.
 
     Args:
         setup: Numbers, scenario, keywords and period of the task.
         world: The arm and the surface.
-        path: Reference of an episode.
+        path: Function that makes the reference of an episode.
         force: Sampler of the desired force.
-        kept: Which of the drawn waypoints the path takes.
+        kept: Slice of the drawn waypoints through which the path leads.
     """
 
     def __init__(
@@ -143,9 +143,9 @@ class ContactStarts(StartSampler[ContactStart]):
         drawn = {name: bounds.draw(rng) for name, bounds in self._setup.ranges.items()}
         point = ContactPoint(self._arm, drawn["contact"], 1.0 if drawn["side"][0] > 0.0 else -1.0)
         surface = self._surface(drawn, options, point)
-        nowhere = np.zeros(0)
-        offsets = drawn.get("waypoints", nowhere).reshape(-1, 3)[self._kept]
-        intervals = drawn.get("interval", nowhere)[self._kept]
+        empty = np.zeros(0)
+        offsets = drawn.get("waypoints", empty).reshape(-1, 3)[self._kept]
+        intervals = drawn.get("interval", empty)[self._kept]
         before, waypoints = point.near(drawn["start"]), point.near(offsets)
         if "goal" in options:
             check_joint_limits(self._arm, "goal", options["goal"])
@@ -158,7 +158,7 @@ class ContactStarts(StartSampler[ContactStart]):
     def _surface(
         self, drawn: Mapping[str, Array], options: Mapping[str, Array], point: ContactPoint
     ) -> Surface:
-        """The surface of an episode: reset options before keywords before what was drawn."""
+        """The surface of an episode; reset options override keywords, and keywords override drawn values."""
         requested = {n: surface_value(n, options[n]) for n in SURFACE_OPTIONS if n in options}
         values = self._setup.options.given() | requested
         springs = float(drawn["surface_stiffness"][0]), float(drawn["surface_damping"][0])
@@ -166,16 +166,16 @@ class ContactStarts(StartSampler[ContactStart]):
 
 
 def quintic_path(start: Array, waypoints: Array, intervals: Array) -> Trajectory:
-    """From the start through the waypoints; see `ContactPath`."""
+    """Quintic segments from the start through the waypoints; see `ContactPath`."""
     times, positions = path_from(start, waypoints, intervals)
     return QuinticWaypoints(times[None], positions[None])
 
 
 def hold_start(start: Array, waypoints: Array, intervals: Array) -> Trajectory:
-    """The start, held; see `ContactPath`."""
+    """The initial joint position, held constant; see `ContactPath`."""
     return Constant(start[None])
 
 
 def hold_end(start: Array, waypoints: Array, intervals: Array) -> Trajectory:
-    """The last waypoint, held; see `ContactPath`."""
+    """The last waypoint, held constant; see `ContactPath`."""
     return Constant(waypoints[-1:])

@@ -1,4 +1,4 @@
-"""Errors of force tasks: of the force along the surface's normal, and of the pose in the other directions."""
+"""Errors of force tasks: the force error along the surface normal, and the pose error in other directions."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The desired force of a force task: its keyword, and how it is drawn."""
+"""The desired force of a force task: its keyword, its reset option and its sampler."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -15,28 +15,29 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import ResetOption
 
 FORCE_BOUNDS = (1e-3, 1e3)  # [N]
-_FORCE_OPTION = ResetOption((), "N", "force to press with, along the surface's inward normal")
+_FORCE_OPTION = ResetOption((), "N", "magnitude of the desired force along the surface's inward normal")
 
 
 def check_force(value: object) -> float:
-    """A desired force as a number [N].
+    """Validate a desired force, as a number [N].
 
     Raises:
-        InvalidValueError: not a number within `FORCE_BOUNDS`.
+        InvalidValueError: a value that is not a number within `FORCE_BOUNDS`.
     """
     return within("desired_force", value, FORCE_BOUNDS, _FORCE_OPTION.unit)
 
 
 @dataclass(frozen=True)
 class ForceOptions(SurfaceOptions):
-    """The surface, and the force to press with.
+    """Keywords of a force task: the surface and the desired force.
 
     Raises:
         InvalidValueError: a force outside `FORCE_BOUNDS`.
     """
 
     desired_force: float | None = field(
-        default=None, metadata=describe(_FORCE_OPTION.unit, _FORCE_OPTION.description + "; None draws it")
+        default=None,
+        metadata=describe(_FORCE_OPTION.unit, _FORCE_OPTION.description + "; drawn at every reset if None"),
     )
 
     def __post_init__(self) -> None:
@@ -46,7 +47,7 @@ class ForceOptions(SurfaceOptions):
 
 
 class ForceSampler(ABC):
-    """Draws the desired force of an episode by the tip on its surface.
+    """Draws the desired force of the tip on the surface for an episode.
 
     Attributes:
         reset_options: Values that `reset(options=...)` takes, by name.
@@ -66,15 +67,17 @@ class ForceSampler(ABC):
 
 
 class NoForce(ForceSampler):
-    """No force is desired."""
+    """The sampler of tasks without a desired force."""
 
     def draw(self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface) -> Array:
-        """Zero."""
+        """See `ForceSampler.draw`: always zero."""
         return np.zeros(3)
 
 
 class NormalForce(ForceSampler):
-    """A force along the inward normal; a drawn one presses no deeper than the greatest depth.
+    """Draws a force along the inward normal that presses the surface in by `greatest_depth` at most.
+
+    Keywords and reset options are not subject to that depth.
 
     Args:
         options: Keywords of the task.
@@ -87,8 +90,8 @@ class NormalForce(ForceSampler):
 
     def draw(self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface) -> Array:
         """See `ForceSampler.draw`."""
-        deepest = float(surface.stiffness[0]) * float(drawn["greatest_depth"][0])
-        magnitude = min(float(drawn["desired_force"][0]), deepest)
+        largest = float(surface.stiffness[0]) * float(drawn["greatest_depth"][0])
+        magnitude = min(float(drawn["desired_force"][0]), largest)
         if self._options.desired_force is not None:
             magnitude = self._options.desired_force
         if "desired_force" in options:

@@ -1,4 +1,4 @@
-"""Errors of motion tasks: of the joints, or of the tip's position and the angles α and β."""
+"""Errors of motion tasks: errors of the joints, or of the tip position and the angles α and β."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 
-SCORED_ANGLES = 2  # α and β; γ never moves
+SCORED_ANGLES = 2  # α and β; γ is constant
 
 
 class JointErrors(ErrorFunction):
@@ -46,14 +46,14 @@ class PoseErrors(ErrorFunction):
 
 
 def stack_errors(pose_error: Array, torque: Array) -> Array:
-    """Errors of the tip, of α and β, and the effort, as the reward takes them.
+    """Stack the errors of the tip position, of α and β, and the effort in the order of the reward terms.
 
     Args:
         pose_error: Pose error (..., 6) [m, m, m, rad, rad, rad].
         torque: Commanded torque (..., 3) [N m, N, N m].
 
     Returns:
-        (..., 3, 3).
+        Errors (..., 3, 3), where rows of two components end with a zero.
     """
     errors = np.zeros((*torque.shape[:-1], 3, 3))
     errors[..., 0, :] = pose_error[..., :3]

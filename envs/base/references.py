@@ -1,4 +1,4 @@
-"""References of the arm: motions of the joints or of the pose, and desired forces."""
+"""References of the arm: motions of its joints or of its pose, and desired forces."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
@@ -20,13 +20,13 @@ _GOAL_SIZE = 0.025  # m
 def path_overlay(
     trajectory: Trajectory, goal: Array, tip_path: Callable[[Trajectory, Array], Array], duration: float
 ) -> list[OverlayItem]:
-    """The goal of the tip as a ball, and its path where the reference moves.
+    """The overlay of a reference: the goal of the tip as a ball, and its path where the reference moves.
 
     Args:
         trajectory: Reference of one environment, one row.
         goal: Position of the tip at the end of a moving reference (3) [m].
-        tip_path: Positions (..., 1, 3) [m] of the tip at times (..., 1) [s].
-        duration: Length of the path in time [s].
+        tip_path: Function that gives the tip positions (..., 1, 3) [m] at times (..., 1) [s].
+        duration: Duration of the path [s].
     """
     if trajectory.is_constant:
         return [Ball(tip_path(trajectory, np.zeros(1))[0], _GOAL_SIZE, GOAL_COLOR)]
@@ -36,7 +36,7 @@ def path_overlay(
 
 
 def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
-    """A reference as a motion of the pose.
+    """Sample a reference as a motion of the pose.
 
     Args:
         arm: Arm whose kinematics turn motions of the joints into motions of the pose.
@@ -44,7 +44,7 @@ def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
         time: Times (..., N) [s].
 
     Returns:
-        (..., N, 18): pose, its rate, its second derivative.
+        Pose and its first and second time derivatives (..., N, 18).
     """
     samples = trajectory.sample(time)
     if samples.shape[-1] == 18:
@@ -53,7 +53,7 @@ def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
 
 
 class JointSpaceReference(Reference):
-    """A motion of the joints, observed as such.
+    """Motions of the joints, observed as motions of the joints.
 
     Args:
         arm: Nominal arm.
@@ -80,7 +80,7 @@ class JointSpaceReference(Reference):
 
 
 class PoseSpaceReference(Reference):
-    """A motion of the joints or of the pose, observed as a motion of the pose.
+    """Motions of the joints or of the pose, observed as motions of the pose.
 
     Args:
         arm: Nominal arm.
@@ -108,7 +108,7 @@ class PoseSpaceReference(Reference):
 
 
 class ForceAndPoseReference(PoseSpaceReference):
-    """A motion of the pose, and beside it a constant desired force by the tip on the surface."""
+    """Motions of the pose, each with a constant desired force by the tip on the surface."""
 
     fields = (*POSE_REFERENCE_FIELDS, DESIRED_FORCE)
 

@@ -15,10 +15,10 @@ def _tables() -> dict[str, Any]:
 
 
 def load_scenario(name: str) -> Scenario:
-    """A scenario by name.
+    """Load a scenario by its name.
 
     Raises:
-        UnknownNameError: no such scenario.
+        UnknownNameError: a scenario that does not exist.
     """
     tables = _tables()
     if not isinstance(name, str) or name not in tables:

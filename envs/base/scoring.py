@@ -1,17 +1,16 @@
-"""How families of tasks are shown in tables, and against which physical error their reward is audited.
+"""Columns of the result tables and physical errors for the reward audit, by family of tasks.
 
-Every physical error is a mean over time of absolute errors (IAE over the duration): it counts how large an
-error is as well as how long it lasts, each centimetre the same, so it needs no scale but for bringing angles
-and forces to one unit with lengths. The root mean square would be that of one impact, or of the first
-distance to the goal, which is the same for all policies; a median would leave out whatever takes less than
-half of the time, as contact may; an error after the transient would leave out the transient, which is what
-regulation is about.
+Every physical error is the mean over time of absolute errors (the IAE divided by the duration). It weighs the
+size of an error and its duration linearly, so that scales only convert angles and forces to the unit of
+lengths. A root mean square would be dominated by one impact or by the initial distance to the goal, which
+is the same for all policies; a median would ignore whatever takes less than half of the episode, as contact
+may; an error after the transient would ignore the transient, which is the substance of regulation.
 """
 
 from prp_gym.tasks.spec import TaskError, TaskScoring
 
 _JOINTS = (0.02, 0.01, 0.042)  # rad, m, rad: each moves the tip by about 1 cm, from 0.5 m and a_3 = 0.24 m
-_ANGLES = (0.042,)  # rad: turns the last link by as much as moves the tip by 1 cm
+_ANGLES = (0.042,)  # rad: the rotation of the last link that moves the tip by 1 cm
 _CENTIMETRE = (0.01,)
 _EFFORT = ("energy", "saturation")
 _CONTACT = ("peak_force", "contact_losses", "injected_energy")

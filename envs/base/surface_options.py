@@ -1,4 +1,4 @@
-"""The elastic surface of a contact task, as keywords and reset options give it."""
+"""The elastic surface of a contact task: its keywords and reset options."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -14,8 +14,12 @@ from prp_gym.tasks.parts import ResetOption
 SURFACE_OPTIONS = {
     "surface_stiffness": ResetOption((), "N/m", "stiffness K of the surface"),
     "surface_damping": ResetOption((), "N·s/m", "damping D of the surface"),
-    "surface_normal": ResetOption((3,), "", "normal of the surface in the world frame, to the free side"),
-    "surface_offset": ResetOption((), "m", "unit normal · p of the surface's points p"),
+    "surface_normal": ResetOption(
+        (3,), "", "normal of the surface in the world frame, towards the free side"
+    ),
+    "surface_offset": ResetOption(
+        (), "m", "offset of the surface along its unit normal n: n · p for its points p"
+    ),
 }
 
 SURFACE_BOUNDS = {
@@ -23,17 +27,17 @@ SURFACE_BOUNDS = {
     "surface_damping": (0.0, 1e3),
     "surface_offset": (-5.0, 5.0),
 }
-"""What a surface may be; forces then stay within the bounds of their observation."""
+"""Allowed values of a surface, for which observed forces stay within their declared bounds."""
 
 
 def _surface(name: str) -> dict[str, str]:
     option = SURFACE_OPTIONS[name]
-    return describe(option.unit, option.description + "; None draws it")
+    return describe(option.unit, option.description + "; drawn at every reset if None")
 
 
 @dataclass(frozen=True)
 class SurfaceOptions:
-    """The surface of every episode; what is None is drawn, or follows from the drawn contact point.
+    """The surface of every episode; a value of None is drawn, or follows from the drawn contact point.
 
     Raises:
         InvalidValueError: a value that is not a number or outside `SURFACE_BOUNDS`, a zero normal.
@@ -54,18 +58,18 @@ class SurfaceOptions:
         make_surface(self.given(), np.array([0.0, 0.0, 1.0]), 0.0)
 
     def given(self) -> dict[str, Array]:
-        """What is not None, by name."""
+        """The values that are not None, by name."""
         names = [entry.name for entry in fields(SurfaceOptions)]
         values = {name: getattr(self, name) for name in names}
         return {n: surface_value(n, value) for n, value in values.items() if value is not None}
 
 
 def surface_value(name: str, value: object) -> Array:
-    """A value of the surface, as a keyword or reset option gives it.
+    """Validate one value of the surface, given as a keyword or a reset option.
 
     Raises:
-        InvalidValueError: not numbers, or outside `SURFACE_BOUNDS`.
-        ShapeError: another shape than is declared.
+        InvalidValueError: a value that is not numeric, or is outside `SURFACE_BOUNDS`.
+        ShapeError: a value of another shape than the declared one.
     """
     option = SURFACE_OPTIONS[name]
     if name in SURFACE_BOUNDS:
@@ -76,7 +80,7 @@ def surface_value(name: str, value: object) -> Array:
 def make_surface(
     values: Mapping[str, Array], normal: Array, offset: float, stiffness: float = 1.0, damping: float = 0.0
 ) -> Surface:
-    """One surface from what is given by name, and defaults for the rest."""
+    """Make one surface from values by name, with defaults for those that are missing."""
     direction = values.get("surface_normal", normal)
     return Surface(
         np.atleast_1d(values.get("surface_stiffness", stiffness)),

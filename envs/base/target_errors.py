@@ -1,4 +1,4 @@
-"""Errors of the tasks of compliance: the distance to a target model that the contact force drives."""
+"""Errors of compliance, impedance and admittance tasks: deviations from a model that the contact drives."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -15,17 +15,17 @@ from prp_gym.tasks.task import TaskSetup
 
 
 class TargetErrors(ErrorFunction):
-    """The tip off the pose where a target model would be under the true contact force.
+    """Deviation of the tip from the pose of a target model under the true contact force.
 
     Args:
         setup: Numbers, scenario, keywords and period of the task.
         layout: Layout of the observation.
 
     Attributes:
-        target: Model M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e with x̃ = x_d - x.
+        target: Target model M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e with x̃ = x_d - x.
     """
 
-    judged_fields: ClassVar[tuple[Field, ...]] = (MODEL_POSE,)
+    unobserved_fields: ClassVar[tuple[Field, ...]] = (MODEL_POSE,)
 
     def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
         self._measured = layout.index("end_effector_pose")
@@ -42,23 +42,23 @@ class TargetErrors(ErrorFunction):
         return {name: getattr(self.target, name) for name in ("inertia", "damping", "stiffness")}
 
     def generalised_force(self, ground_truth: Array) -> Array:
-        """The true contact force as one on the pose (..., 6) [N, N, N, N m, N m, N m]; no moments."""
+        """The true contact force as a generalised force (..., 6) [N, N, N, N m, N m, N m]; no moments."""
         force = np.zeros((*ground_truth.shape[:-1], 6))
         force[..., :3] = ground_truth[..., self._force]
         return force
 
     def write_model_pose(self, ground_truth: Array, displacement: Array) -> None:
-        """Write the desired pose, less a displacement (..., 6), as the model's pose."""
+        """Write the desired pose minus a displacement (..., 6) as the model's pose, in place."""
         ground_truth[..., self._model_pose] = ground_truth[..., self._desired] - displacement
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
-        """(..., 3, 3): tip off the model's [m], α and β off the model's [rad], torque [N m, N, N m]."""
+        """(..., 3, 3): deviation of the tip [m] and of α and β [rad] from the model, torque [N m, N, N m]."""
         error = ground_truth[..., self._model_pose] - ground_truth[..., self._measured]
         return stack_errors(error, torque)
 
 
 class StaticTargetErrors(TargetErrors):
-    """The target has stiffness alone: K_P x̃ = h_e."""
+    """Deviations from a target with stiffness alone: K_P x̃ = h_e."""
 
     @property
     def target_impedance(self) -> Mapping[str, Array]:
@@ -72,11 +72,11 @@ class StaticTargetErrors(TargetErrors):
 
 
 class DynamicTargetErrors(TargetErrors):
-    """The target has inertia, damping and stiffness, and moves under the contact force."""
+    """Deviations from a target with inertia, damping and stiffness that moves under the contact force."""
 
     def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
         super().__init__(setup, layout)
-        self._motion = np.zeros((0, 6, 4))  # displacement, its rate, force at a period's begin and end
+        self._motion = np.zeros((0, 6, 4))  # displacement, its rate, force at start and end of a period
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         """See `ErrorFunction.begin`: the model starts at rest, on the reference."""
@@ -90,6 +90,6 @@ class DynamicTargetErrors(TargetErrors):
         self.target.follow(self._motion)
 
     def complete(self, ground_truth: Array) -> None:
-        """See `ErrorFunction.complete`; the force now, at a start too, begins the next period."""
+        """See `ErrorFunction.complete`; the present force, also after a reset, starts the next period."""
         self._motion[:, :3, 2] = ground_truth[:, self._force]
         self.write_model_pose(ground_truth, self._motion[..., 0])

@@ -1,4 +1,4 @@
-"""The target impedance of a contact task, as keywords give it."""
+"""The target impedance of a contact task: its keywords."""
 
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -20,7 +20,7 @@ _TARGET_BOUNDS = {
 
 
 def _target(what: str, unit: str) -> dict[str, str]:
-    text = f"{what} of the target model: one number, six (x, y, z, α, β, γ), or None for the task's own"
+    text = f"{what} of the target model: one number, six (x, y, z, α, β, γ), or None for the task's default"
     return describe(unit, text)
 
 
@@ -29,11 +29,11 @@ _STIFFNESS = _target("stiffness K_P", "N/m, N·m/rad")
 
 @dataclass(frozen=True)
 class StiffnessOptions(SurfaceOptions):
-    """The surface, and the target's stiffness.
+    """Keywords of the surface and of the target's stiffness.
 
     Raises:
-        InvalidValueError: a value that is not a number, negative or unreasonably large.
-        ShapeError: neither one number nor six.
+        InvalidValueError: a value that is not a number, is negative or is unreasonably large.
+        ShapeError: a target keyword with neither one number nor six.
     """
 
     target_stiffness: Axes = field(default=None, metadata=_STIFFNESS)
@@ -45,11 +45,11 @@ class StiffnessOptions(SurfaceOptions):
 
 @dataclass(frozen=True)
 class TargetOptions(SurfaceOptions):
-    """The surface, and the target's inertia, damping and stiffness.
+    """Keywords of the surface and of the target's inertia, damping and stiffness.
 
     Raises:
-        InvalidValueError: a value that is not a number, negative or unreasonably large.
-        ShapeError: neither one number nor six.
+        InvalidValueError: a value that is not a number, is negative or is unreasonably large.
+        ShapeError: a target keyword with neither one number nor six.
     """
 
     target_stiffness: Axes = field(default=None, metadata=_STIFFNESS)
@@ -62,7 +62,7 @@ class TargetOptions(SurfaceOptions):
 
 
 def _make_six(options: Any) -> None:
-    """Give every axis of the target its own number, in place."""
+    """Expand the target's keywords to one number for each axis, in place."""
     for entry in fields(options):
         value = getattr(options, entry.name)
         if entry.name in _TARGET_BOUNDS and value is not None:

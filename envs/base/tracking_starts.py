@@ -1,4 +1,4 @@
-"""Starts in free space: the arm's initial position, and a reference sampler that goes with it."""
+"""Starts of tasks in free space: the arm's initial state and the reference of the episode."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -18,18 +18,18 @@ from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Sine, Trajector
 STARTS = ("scenario", "first_waypoint", "home")
 START_KEYWORD = describe(
     "",
-    "where the quintic begins: `first_waypoint` holds the first waypoint until its time (a step at"
-    " t = 0, as the report's author ran it), `home` begins at the arm's initial position;"
+    "where the quintic trajectory starts: `first_waypoint` holds the first waypoint until its time (a step at"
+    " t = 0, as the report's author ran it), `home` starts at the arm's initial position;"
     " `scenario`: `first_waypoint` in `report`, else `home`",
 )
 
 Draw = tuple[Trajectory, Array]
-"""A reference, one row, and the initial joint position (3) [rad, m, rad] that goes with it."""
+"""A reference, one row, and the initial joint position (3) [rad, m, rad] of its episode."""
 
 
 @dataclass(frozen=True)
 class StartOptions:
-    """Where a reference through waypoints begins.
+    """The keyword for where a reference through waypoints starts.
 
     Raises:
         UnknownNameError: a start that does not exist.
@@ -46,9 +46,9 @@ def path_from(start: Array, waypoints: Array, intervals: Array) -> tuple[Array, 
     """Times (K + 1) [s] and positions (K + 1, d) of a path that leaves a start (d) at t = 0.
 
     Args:
-        start: First position (d), any unit.
-        waypoints: Positions that follow (K, d).
-        intervals: Times between them (K) [s].
+        start: Initial position (d).
+        waypoints: Positions after the initial one (K, d).
+        intervals: Times between successive positions (K) [s].
     """
     return np.concatenate([[0.0], np.cumsum(intervals)]), np.concatenate([start[None], waypoints])
 
@@ -72,7 +72,7 @@ class ReferenceSampler(ABC):
         Args:
             rng: Generator of the environment.
             joint_position: Joint position drawn for the start (3) [rad, m, rad].
-            goal: Joint position (3) that replaces the drawn goal [rad, m, rad]; None to keep that.
+            goal: Joint position (3) that replaces the drawn goal [rad, m, rad]; None keeps it.
 
         Raises:
             JointLimitError: the reference would leave the joint limits.
@@ -80,7 +80,7 @@ class ReferenceSampler(ABC):
 
 
 class ConstantSampler(ReferenceSampler):
-    """A joint position to be held."""
+    """Draws a constant joint position."""
 
     def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """See `ReferenceSampler.draw`."""
@@ -91,7 +91,7 @@ class ConstantSampler(ReferenceSampler):
 
 
 class WaypointSampler(ReferenceSampler):
-    """Quintic segments through joint waypoints; the keyword `start` says where they begin."""
+    """Draws quintic segments through joint waypoints; the keyword `start` says where they start."""
 
     def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """See `ReferenceSampler.draw`; a goal replaces the last waypoint."""
@@ -100,7 +100,7 @@ class WaypointSampler(ReferenceSampler):
     def draw_waypoints(
         self, rng: np.random.Generator, joint_position: Array, goal: Array | None
     ) -> QuinticWaypoints:
-        """The segments alone, one row."""
+        """Draw the quintic segments, one row."""
         ranges, start = self.setup.ranges, self.setup.options.start
         waypoints = ranges["waypoints"].draw(rng).reshape(-1, 3)
         intervals = ranges["interval"].draw(rng)
@@ -115,7 +115,7 @@ class WaypointSampler(ReferenceSampler):
 
 
 class SineSampler(ReferenceSampler):
-    """Sines of the joints around a centre."""
+    """Draws sinusoidal motions of the joints about a centre."""
 
     def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """See `ReferenceSampler.draw`; a goal replaces the centre."""
@@ -137,10 +137,10 @@ class SineSampler(ReferenceSampler):
 
 
 class TrackingStarts(StartSampler[EpisodeStart]):
-    """Starts in free space.
+    """Samples starts in free space.
 
     Args:
-        world: The arm.
+        world: The arm in free space.
         reference: Sampler of the references.
     """
 

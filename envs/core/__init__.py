@@ -1,1 +1,1 @@
-"""The episode loop and what it is made of."""
+"""The episode loop and its components."""

@@ -1,4 +1,4 @@
-"""From commanded torques to the torques that act: ideal, or late and noisy."""
+"""Actuators, which turn commanded torques into applied ones: ideal, or with delay and noise."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -12,35 +12,35 @@ from prp_gym.tasks.scenario import Scenario
 
 
 class Actuators(ABC):
-    """The drives of N robots."""
+    """The actuators of N robots."""
 
     @abstractmethod
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
-        """Start anew in some environments (n), with a seed each for what is random."""
+        """Restart the actuators of some environments (n), with a random seed for each."""
 
     @abstractmethod
     def apply(self, command: Array) -> Array:
-        """The torques (N, joints) that act while these are commanded [N m, N, N m]."""
+        """The torques (N, joints) that are applied while these are commanded [N m, N, N m]."""
 
 
 class IdealActuators(Actuators):
-    """What is commanded acts."""
+    """Actuators that apply the commanded torques exactly."""
 
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
-        """Nothing to start."""
+        """See `Actuators.begin`; there is no state."""
 
     def apply(self, command: Array) -> Array:
-        """The command."""
+        """See `Actuators.apply`: the command itself."""
         return command
 
 
 class RealisticActuators(Actuators):
-    """Commands act late, by whole control periods, and with white noise on top of the limited torque.
+    """Actuators with a delay of whole control periods and white noise on top of the limited torque.
 
     Args:
-        scenario: delay and noise.
-        nominal_limit: of the drives (joints) [N m, N, N m].
-        num_envs: N.
+        scenario: Scenario that gives the delay and the noise.
+        nominal_limit: Nominal actuator limits (joints) [N m, N, N m].
+        num_envs: Number of environments N.
     """
 
     def __init__(self, scenario: Scenario, nominal_limit: Array, num_envs: int) -> None:
@@ -57,13 +57,19 @@ class RealisticActuators(Actuators):
         """The command of `delay_steps` periods ago, with noise."""
         self._pipeline[1:] = self._pipeline[:-1].copy()
         self._pipeline[0] = command
-        late: Array = self._pipeline[-1] + self._noise.current * self._deviation
+        applied: Array = self._pipeline[-1] + self._noise.current * self._deviation
         self._noise.advance()
-        return late
+        return applied
 
 
 def make_actuators(scenario: Scenario, nominal_limit: Array, num_envs: int) -> Actuators:
-    """The drives that a scenario asks for; `nominal_limit` (joints) [N m, N, N m]."""
+    """Make the actuators of a scenario.
+
+    Args:
+        scenario: Scenario that gives the delay and the noise.
+        nominal_limit: Nominal actuator limits (joints) [N m, N, N m].
+        num_envs: Number of environments N.
+    """
     if scenario.delay_steps == 0 and scenario.torque_noise == 0.0:
         return IdealActuators()
     return RealisticActuators(scenario, nominal_limit, num_envs)

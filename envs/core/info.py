@@ -8,10 +8,10 @@ class InfoField:
     """One number of `info`: its name, unit and meaning.
 
     Attributes:
-        name: of the number.
-        unit: of the number.
-        description: what it is.
-        summed: whether an action that holds over several periods returns their sum, and not the last one's.
+        name: Name of the number.
+        unit: Unit of the number.
+        description: Meaning of the number.
+        summed: Whether a step over several control periods returns their sum instead of the last value.
     """
 
     name: str
@@ -21,16 +21,16 @@ class InfoField:
 
 
 COMMON_INFO = (
-    InfoField("cost_joint_stop", "joints", "joints beyond a stop", summed=True),
+    InfoField("cost_joint_stop", "joints", "number of joints beyond a stop", summed=True),
     InfoField(
         "cost_saturation",
         "joints",
-        "joints whose torque is at or beyond the actuator limit",
+        "number of joints whose torque is at or beyond the actuator limit",
         summed=True,
     ),
-    InfoField("time", "s", "since the start of the episode"),
+    InfoField("time", "s", "time since the start of the episode"),
 )
 CONTACT_INFO = (
     InfoField("contact_force", "N", "magnitude of the force by the tip on the surface"),
-    InfoField("cost_force_bound", "1", "whether that force is beyond the task's bound", summed=True),
+    InfoField("cost_force_bound", "1", "1 if that force exceeds the bound of the task, else 0", summed=True),
 )

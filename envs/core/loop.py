@@ -1,6 +1,6 @@
-"""The loop: it counts time for N environments at once and asks physics and task for the rest.
+"""The episode loop of N environments: it counts control periods and connects physics, sensors and task.
 
-Everything here is written once over N; a single environment is a loop of one.
+It is vectorised over N; a single environment is a loop with N = 1.
 """
 
 import copy
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from prp_gym.envs.action_mode import ActionField, torque_field
 from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
-from prp_gym.envs.core.judge import Judge
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
+from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.batch_simulation import PhysicsState
 from prp_gym.robot.arrays import Array
@@ -24,20 +24,14 @@ from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
 STATE = (
-    "task",
-    "ground_truth",
-    "commanded_torque",
-    "_actuators",
-    "_sensors",
-    "_window",
-    "_unplayable",
-    "_playable",
+    *("task", "ground_truth", "commanded_torque", "_actuators", "_sensors", "_window"),
+    *("_needs_reset", "_all_ready"),
 )
-"""The attributes that determine how a loop goes on."""
+"""Attributes that make up the state of a loop, beside the state of its physics."""
 
 
 class LoopState(NamedTuple):
-    """All that determines how a loop goes on."""
+    """The complete state of a loop."""
 
     physics: PhysicsState
     rest: dict[str, Any]
@@ -47,18 +41,18 @@ class EpisodeLoop:
     """N environments of one task, stepped together.
 
     Args:
-        task: judges them.
-        config: common keywords.
-        num_envs: N.
-        num_threads: of the physics; 0 takes all cores.
+        task: Task of the environments.
+        config: Common keywords.
+        num_envs: Number of environments N.
+        num_threads: Number of threads of the physics; 0 takes all cores.
 
     Attributes:
-        torque_limit: joint torques at action 1 (joints) [N m, N, N m].
-        commanded_torque: of the last step, within the limits (N, joints) [N m, N, N m].
-        ground_truth: what is true now (N, task.truth_layout.size); the observation is its reading.
-        info_fields: the columns of a step's `info`.
-        action_fields: the parts of an action.
-        state_names: the attributes that determine how the environments go on.
+        torque_limit: Joint torques at action 1 (joints) [N m, N, N m].
+        commanded_torque: Torques commanded in the last step, within the limits (N, joints) [N m, N, N m].
+        ground_truth: Ground truth (N, task.ground_truth_layout.size); the sensors read observations from it.
+        info_fields: Columns of a step's `info`.
+        action_fields: Parts of an action.
+        state_names: Attributes that make up the state of the loop.
     """
 
     state_names: ClassVar[tuple[str, ...]] = STATE
@@ -71,17 +65,17 @@ class EpisodeLoop:
         self.torque_limit = config.limits(nominal)
         self.joints = len(nominal)
         self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
-        self._on_period: Callable[[Step], None] = _nothing
+        self._on_period: Callable[[Step], None] = _ignore
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
-        self._judge = Judge(task, self.physics, config.control_frequency)
-        self.info_fields = self._judge.info_fields
+        self._score = StepScoring(task, self.physics, config.control_frequency)
+        self.info_fields = self._score.info_fields
         self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
         self._sensors = make_sensors(task.scenario, task.layout, num_envs)
         self.commanded_torque = np.zeros((num_envs, self.joints))
         self.ground_truth = np.zeros((num_envs, task.ground_truth_layout.size))
         self._window = ReferenceWindow(num_envs, 1.0 / config.control_frequency, config.horizon)
-        self._unplayable: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
-        self._playable = False
+        self._needs_reset: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
+        self._all_ready = False
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
         bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
         self.physics.watch(bound)
@@ -90,7 +84,7 @@ class EpisodeLoop:
         self._lay_out()
 
     def _lay_out(self) -> None:
-        """Where what is measured, referred to and observed lies in what is true."""
+        """Find the columns of the ground truth that are measured, given by the reference, and observed."""
         layout, measured = self.task.layout, self.physics.measurement_size
         self._space = layout.space()
         self._shape = self.ground_truth.shape
@@ -107,18 +101,18 @@ class EpisodeLoop:
     ) -> Array:
         """Start new episodes in some environments; the first call must cover all of them.
 
-        If a start is refused, the episodes that run go on as they were; the generators have moved on.
+        If a start is refused, the running episodes are unchanged, but the generators have advanced.
 
         Args:
-            ids: (n) the environments, in rising order.
-            rngs: (n) their own generators.
-            options: validated reset options by name, a value for each (n, ...).
+            ids: Environments to reset (n), in rising order.
+            rngs: Generators of these environments (n).
+            options: Validated reset options by name, with one value for each of them (n, ...).
 
         Returns:
-            (N, size) observations of all environments.
+            Observations of all environments (N, size).
 
         Raises:
-            InvalidValueError: ids out of order or out of range; a first call for some only.
+            InvalidValueError: ids out of order or out of range, or a first call for some environments only.
             PRPError: a start or goal that the task refuses.
         """
         self._check_ids(ids)
@@ -137,8 +131,8 @@ class EpisodeLoop:
             np.stack([start.joint_velocity for start in starts]),
         )
         self._window.begin(ids, self.task.reference)
-        self._unplayable[ids] = False
-        self._playable = not self._unplayable.any()
+        self._needs_reset[ids] = False
+        self._all_ready = not self._needs_reset.any()
         ground_truth = self._measure()
         self.task.complete(ground_truth)
         self.ground_truth = ground_truth
@@ -152,27 +146,27 @@ class EpisodeLoop:
             raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
 
     def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
-        """One control period of every environment.
+        """Advance every environment by one control period.
 
         Args:
-            action: (N, joints) torques over their limits; beyond ±1 they are clipped and counted.
-            idle: (N) which environments only wait for their reset, diverged or not: neither their actions
-                nor what they return mean anything. None for none of them.
+            action: Torques normalised by the actuator limits (N, joints); values beyond ±1 are clipped.
+            idle: Mask (N) of environments that only wait for their reset, diverged or not: their actions are
+                ignored and their results have no meaning. None stands for no environment.
 
         Returns:
-            observations and judgement after the step.
+            Observations, rewards and `info` after the step.
 
         Raises:
-            ShapeError: another shape.
-            NonFiniteError: NaN or infinity in the action; nothing was changed.
-            EpisodeError: an environment that was not reset, or has diverged.
+            ShapeError: an action of another shape.
+            NonFiniteError: NaN or infinity in the action; the state is unchanged.
+            EpisodeError: an environment that was never reset, or has diverged.
         """
         if action.shape != self._limit.shape:
             raise ShapeError("action", action.shape, f"{self._limit.shape}")
         if idle is not None:
             action = np.where(idle[:, None], 0.0, action)
-        if not self._playable:
-            self.require_playable(np.zeros_like(self._unplayable) if idle is None else idle)
+        if not self._all_ready:
+            self.require_ready(np.zeros_like(self._needs_reset) if idle is None else idle)
         action, saturated = self._limited(action)
         command = action * self._limit
         self.commanded_torque = command
@@ -185,28 +179,28 @@ class EpisodeLoop:
         self.task.complete(ground_truth)
         self.ground_truth = ground_truth
         elapsed, within_limits = self._window.elapsed, self.physics.within_limits
-        reward, info = self._judge(self.task.errors(ground_truth, command), saturated, elapsed, within_limits)
+        reward, info = self._score(self.task.errors(ground_truth, command), saturated, elapsed, within_limits)
         truncated = elapsed >= self._horizon
         terminated = np.zeros(self.num_envs, dtype=np.bool_) if within_limits else self._diverged()
-        if not self._playable:
-            self._judge.zero_reward(reward, info, terminated)
+        if not self._all_ready:
+            self._score.zero_reward(reward, info, terminated)
             truncated &= ~terminated
         outcome = Step(self._observe(), reward, terminated, truncated, info)
         self._on_period(outcome)
         return outcome
 
     def _limited(self, action: Array) -> tuple[Array, NDArray[np.bool_] | None]:
-        """Actions within ±1, and which were not inside (N, joints); None where all were."""
+        """Actions clipped to ±1, and a mask (N, joints) of those at or beyond ±1; None if there are none."""
         inside = np.abs(action) < self._full
         if np.count_nonzero(inside) == inside.size:
             return action, None
         return self.clipped(action), ~inside
 
     def clipped(self, action: Array) -> Array:
-        """Actions (N, size) within ±1.
+        """Clip actions (N, size) to ±1.
 
         Raises:
-            NonFiniteError: NaN or infinity.
+            NonFiniteError: NaN or infinity in an action.
         """
         bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
         if len(bad):
@@ -216,41 +210,40 @@ class EpisodeLoop:
         return within
 
     def _diverged(self) -> NDArray[np.bool_]:
-        """Which environments left the declared bounds with this step (N); they cannot be stepped on."""
+        """Which environments left the declared bounds in this step (N); they need a reset."""
         diverged = self.physics.out_of_bounds
         if np.count_nonzero(diverged):
-            self._unplayable |= diverged
-            self._playable = False
+            self._needs_reset |= diverged
+            self._all_ready = False
         return diverged
 
     def _measure(self) -> Array:
-        """What is true now, new; judged fields as the task last left them."""
+        """The present ground truth, a new array in which the task has yet to write the unobserved fields."""
         ground_truth = np.empty(self._shape)
         self.physics.measure(ground_truth[self._measured])
         ground_truth[self._referenced] = self._window.current
         return ground_truth
 
     def _observe(self) -> Array:
-        """The reading of what is true now, new; within the declared bounds where an environment diverged."""
-        observation: Array = (
-            self.ground_truth.copy() if self._all_observed else self.ground_truth[self._observed].copy()
-        )
+        """The sensors' reading of the ground truth, a new array; clipped to its bounds after a divergence."""
+        observed = self.ground_truth if self._all_observed else self.ground_truth[self._observed]
+        observation: Array = observed.copy()
         self._sensors.read(observation)
-        if not self._playable:
-            which = self._unplayable
+        if not self._all_ready:
+            which = self._needs_reset
             observation[which] = np.clip(observation[which], self._space.low, self._space.high)
         return observation
 
-    def require_playable(self, idle: NDArray[np.bool_]) -> None:
-        """Refuse to step environments that cannot be; diverged ones may wait beside the others.
+    def require_ready(self, idle: NDArray[np.bool_]) -> None:
+        """Refuse to step environments that need a reset, except those that only wait for it.
 
         Args:
-            idle: (N) which environments only wait for their reset.
+            idle: Mask (N) of environments that only wait for their reset.
 
         Raises:
-            EpisodeError: one of the others was not reset, or has diverged.
+            EpisodeError: one of the others was never reset, or has diverged.
         """
-        stuck = np.flatnonzero(self._unplayable & ~idle).tolist()
+        stuck = np.flatnonzero(self._needs_reset & ~idle).tolist()
         if stuck:
             raise EpisodeError(
                 f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
@@ -262,8 +255,8 @@ class EpisodeLoop:
         return sum(field.size for field in self.action_fields)
 
     def listen(self, listener: Callable[[Step], None] | None) -> None:
-        """Have every control period's outcome told to someone, or to nobody."""
-        self._on_period = listener or _nothing
+        """Call a listener with the result of every control period; None removes the listener."""
+        self._on_period = listener or _ignore
 
     @property
     def started(self) -> bool:
@@ -272,27 +265,26 @@ class EpisodeLoop:
 
     @property
     def time(self) -> Array:
-        """(N) since the start of each episode [s]."""
+        """Time since the start of each episode (N) [s]."""
         seconds: Array = self._window.elapsed / self.config.control_frequency
         return seconds
 
     def get_state(self) -> LoopState:
-        """Copy of all that determines how the environments go on."""
+        """A copy of the complete state of the environments."""
         return LoopState(self.physics.snapshot(), copy.deepcopy(self._rest()))
 
     def set_state(self, state: LoopState) -> Array:
-        """Go back to a state of this loop or of one made with the same keywords.
+        """Restore a state of this loop or of one made with the same keywords.
 
         Returns:
-            (N, size) observations.
+            Observations (N, size).
 
         Raises:
-            InvalidValueError: a state of another number of environments.
+            InvalidValueError: a state of a different number of environments.
         """
-        if len(state.rest["_unplayable"]) != self.num_envs:
-            raise InvalidValueError(
-                "state's number of environments", len(state.rest["_unplayable"]), f"{self.num_envs}"
-            )
+        found = len(state.rest["_needs_reset"])
+        if found != self.num_envs:
+            raise InvalidValueError("state's number of environments", found, f"{self.num_envs}")
         self.physics.restore(state.physics)
         self.__dict__.update(copy.deepcopy(state.rest))
         return self._observe()
@@ -301,5 +293,5 @@ class EpisodeLoop:
         return {name: getattr(self, name) for name in self.state_names}
 
 
-def _nothing(_: Step) -> None:
-    """Nobody listens."""
+def _ignore(_: Step) -> None:
+    """The listener of a loop without one."""

@@ -1,4 +1,4 @@
-"""A loop whose torques come from an inner law that the actions steer."""
+"""An episode loop whose torques come from an inner controller that receives the actions."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,18 +15,18 @@ from prp_gym.tasks.task import Task
 
 
 class ModeLoop(EpisodeLoop):
-    """N environments in which an action holds over several periods of an inner law.
+    """N environments in which an action is held over several control periods of an inner controller.
 
-    Sensors, actuators, reward and costs work at the inner law's rate, as they do for a law on its own, so
-    that both are judged alike; a step's reward and costs are the sums over its periods.
+    Sensors, actuators, reward and costs run at the inner control frequency, as they do for a controller
+    on its own, so that both are scored alike; the reward and costs of a step are the sums over its periods.
 
     Args:
-        task: judges them, at the inner period.
-        config: common keywords, with the inner rate as control frequency.
-        mode: what actions mean.
-        periods: inner periods in an action's.
-        num_envs: N.
-        num_threads: of the physics; 0 takes all cores.
+        task: Task of the environments, at the inner control period.
+        config: Common keywords, with the inner control frequency.
+        mode: Action mode, which turns actions into joint torques.
+        periods: Number of inner control periods over which an action is held.
+        num_envs: Number of environments N.
+        num_threads: Number of threads of the physics; 0 takes all cores.
     """
 
     state_names = (*STATE, "_observation", "_memory", "_starts")
@@ -63,23 +63,23 @@ class ModeLoop(EpisodeLoop):
         return self._observation.copy()
 
     def set_state(self, state: LoopState) -> Array:
-        """Go back to a state; see `EpisodeLoop.set_state`."""
+        """Restore a state; see `EpisodeLoop.set_state`."""
         super().set_state(state)
         return self._observation.copy()
 
     def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
-        """One action's period of every environment; see `EpisodeLoop.step`.
+        """Advance every environment by the period of one action; see `EpisodeLoop.step`.
 
-        An environment that diverges is shown as it was in the period in which it did so.
+        The results of an environment that diverges are those of the period in which it does so.
 
         Args:
-            action: (N, action size); beyond ±1 they are clipped.
-            idle: (N) which environments only wait for their reset.
+            action: Actions (N, action size); values beyond ±1 are clipped.
+            idle: Mask (N) of environments that only wait for their reset.
         """
         if action.shape != self._action_shape:
             raise ShapeError("action", action.shape, f"{self._action_shape}")
         waiting = np.zeros(self.num_envs, dtype=np.bool_) if idle is None else idle.copy()
-        self.require_playable(waiting)
+        self.require_ready(waiting)
         held = self.clipped(np.where(waiting[:, None], 0.0, action))
         outcome = self._period(held, waiting)
         terminated = outcome.terminated & ~waiting
@@ -92,7 +92,7 @@ class ModeLoop(EpisodeLoop):
         return outcome._replace(observation=outcome.observation.copy(), terminated=terminated)
 
     def _period(self, action: Array, waiting: NDArray[np.bool_]) -> Step:
-        """One period of the inner law."""
+        """Advance by one period of the inner controller."""
         torque, self._memory = self._mode.torque(action, self._observation, self._memory, self._starts)
         outcome = super().step(torque, waiting if np.count_nonzero(waiting) else None)
         self._starts = np.zeros_like(self._starts)
@@ -100,17 +100,17 @@ class ModeLoop(EpisodeLoop):
         return outcome
 
     def _continued(self, before: Step, action: Array, waiting: NDArray[np.bool_]) -> Step:
-        """One more period, joined with those before it; environments that wait stay as they were."""
-        shown = self.ground_truth, self.commanded_torque, self.physics.torque.copy()
+        """Advance by one more period and add its results; environments that wait keep theirs."""
+        kept = self.ground_truth, self.commanded_torque, self.physics.torque.copy()
         after = self._period(action, waiting)
         info = np.where(self._summed, before.info + after.info, after.info)
         if not np.count_nonzero(waiting):
             return after._replace(reward=before.reward + after.reward, info=info)
         rows = waiting[:, None]
         self._observation = np.where(rows, before.observation, after.observation)
-        self.ground_truth = np.where(rows, shown[0], self.ground_truth)
-        self.commanded_torque = np.where(rows, shown[1], self.commanded_torque)
-        self.physics.set_torque(np.where(rows, shown[2], self.physics.torque))
+        self.ground_truth = np.where(rows, kept[0], self.ground_truth)
+        self.commanded_torque = np.where(rows, kept[1], self.commanded_torque)
+        self.physics.set_torque(np.where(rows, kept[2], self.physics.torque))
         return Step(
             self._observation,
             before.reward + np.where(waiting, 0.0, after.reward),

@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 
 from prp_gym.robot.arrays import Array
 
-_BLOCK = 256  # steps drawn at once for an environment; part of what a seed means
+_BLOCK = 256  # steps drawn at once for an environment; the numbers of a seed depend on it
 
 
 class WhiteNoise:
-    """Standard normal numbers, step by step.
+    """White noise: independent standard normal numbers at every step.
 
-    An environment's numbers depend on its generator and its own step count alone, not on its neighbours.
+    The numbers of an environment depend on its own generator and step count only, not on its neighbours.
 
     Args:
-        num_envs: N.
-        size: numbers a step.
+        num_envs: Number of environments N.
+        size: Number of components at every step.
     """
 
     def __init__(self, num_envs: int, size: int) -> None:
@@ -27,7 +27,7 @@ class WhiteNoise:
         self._rows = np.arange(num_envs)
 
     def begin(self, ids: NDArray[np.intp], rngs: Sequence[np.random.Generator]) -> None:
-        """Start anew in some environments (n), with their generators."""
+        """Restart the noise of some environments (n), with their generators."""
         self._steps[ids] = 0
         for index, rng in zip(ids, rngs, strict=True):
             self._rngs[index] = rng
@@ -35,12 +35,12 @@ class WhiteNoise:
 
     @property
     def current(self) -> Array:
-        """(N, size): the numbers of this step."""
+        """The numbers of this step (N, size)."""
         values: Array = self._values[self._steps % _BLOCK, self._rows]
         return values
 
     def advance(self) -> None:
-        """On to the next step."""
+        """Go on to the next step."""
         self._steps += 1
         for index in np.flatnonzero(self._steps % _BLOCK == 0):
             self._refill(index)

@@ -1,4 +1,4 @@
-"""The clock of N environments, and their references looked up in a window of the coming steps."""
+"""Episode clocks of N environments, and their references, sampled ahead over a window of periods."""
 
 from collections.abc import Callable
 
@@ -14,22 +14,22 @@ Sampler = Callable[[Array, NDArray[np.intp]], Array]
 
 
 class ReferenceWindow:
-    """Counts periods, and gives the reference part of the observations at each.
+    """Counts control periods and gives the reference part of the observations in each.
 
-    Times are whole numbers of periods since each environment's own start, so that what an environment
-    observes does not depend on the window or on its neighbours.
+    Times are whole numbers of periods since the start of each episode, so that what an environment observes
+    does not depend on the window or on its neighbours.
 
     Args:
-        num_envs: N.
-        period: of control [s].
-        horizon: periods in an episode, after which looking ahead is idle.
+        num_envs: Number of environments N.
+        period: Control period [s].
+        horizon: Control periods in an episode, beyond which no reference is sampled ahead.
     """
 
     def __init__(self, num_envs: int, period: float, horizon: int = _MOST_STEPS) -> None:
         self._period = period
         self._length = int(np.clip(_MOST_ROWS // num_envs, 1, min(_MOST_STEPS, horizon + 1)))
-        self._everyone = np.arange(num_envs)
-        self._elapsed = np.zeros(num_envs)  # whole numbers, as floats: so arithmetic on them is fast
+        self._all_ids = np.arange(num_envs)
+        self._elapsed = np.zeros(num_envs)  # whole numbers as floats, for fast arithmetic
         self._tick = 0
         self._first = 0
         self._rows = np.zeros((0, num_envs, 0))
@@ -37,7 +37,7 @@ class ReferenceWindow:
     def begin(self, ids: NDArray[np.intp], sampler: Sampler) -> None:
         """Start new episodes in some environments (n); the first call covers all of them."""
         self._elapsed[ids] = 0.0
-        if not self.started or len(ids) == len(self._everyone):
+        if not self.started or len(ids) == len(self._all_ids):
             self._fill(sampler)
         else:
             self._rows[self._tick - self._first :, ids] = sampler(self._times(ids), ids)
@@ -56,21 +56,21 @@ class ReferenceWindow:
 
     @property
     def elapsed(self) -> Array:
-        """(N): whole periods since the start of each environment's episode; changes with the next one."""
+        """Whole periods since the start of each episode (N); the array is updated in place."""
         return self._elapsed
 
     @property
     def current(self) -> Array:
-        """(N, size): the reference now."""
+        """The present reference (N, size)."""
         row: Array = self._rows[self._tick - self._first]
         return row
 
     def _fill(self, sampler: Sampler) -> None:
         self._first = self._tick
-        self._rows = sampler(self._times(self._everyone), self._everyone)
+        self._rows = sampler(self._times(self._all_ids), self._all_ids)
 
     def _times(self, ids: NDArray[np.intp]) -> Array:
-        """Times since each environment's start, from now to the window's end (periods, n) [s]."""
+        """Times since the start of each episode, from now to the window's end (periods, n) [s]."""
         ahead = np.arange(self._first + self._length - self._tick)
         times: Array = (ahead[:, None] + self._elapsed[ids]) * self._period
         return times

@@ -1,4 +1,4 @@
-"""From the truth to what is observed: exact, or with an imperfect force sensor."""
+"""Sensors, which turn the ground truth into observations: exact, or with force-sensor noise and bias."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import Scenario
 
-_STREAM = 1  # beside the drives' stream of the same seed
+_STREAM = 1  # random stream of an episode's seed, beside that of the actuators
 _FORCE = "contact_force"
 
 
@@ -20,64 +20,64 @@ class Sensors(ABC):
 
     @abstractmethod
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
-        """Start anew in some environments (n), with a seed each for what is random."""
+        """Restart the sensors of some environments (n), with a random seed for each."""
 
     @abstractmethod
     def advance(self) -> None:
-        """Go on by one period."""
+        """Go on to the readings of the next control period."""
 
     @abstractmethod
     def read(self, observation: Array) -> None:
-        """Turn true values (N, size) into readings, in place; the same ones until the next `advance`."""
+        """Turn true values (N, size) into readings, in place; errors change with `advance` only."""
 
 
 class IdealSensors(Sensors):
-    """What is true is read."""
+    """Sensors that read the true values."""
 
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
-        """Nothing to start."""
+        """See `Sensors.begin`; there is no state."""
 
     def advance(self) -> None:
-        """Nothing changes."""
+        """See `Sensors.advance`; there is no state."""
 
     def read(self, observation: Array) -> None:
-        """As it is."""
+        """See `Sensors.read`: the true values stay."""
 
 
 class NoisyForceSensor(Sensors):
-    """The contact force is read with a constant error and white noise on each axis.
+    """Sensors whose contact force has a constant bias and white noise on each axis.
 
     Args:
-        scenario: largest constant error and deviation of the noise.
-        place: of the contact force in an observation.
-        num_envs: N.
+        scenario: Scenario that gives the largest bias and the standard deviation of the noise.
+        force_index: Slice of the contact force in an observation.
+        num_envs: Number of environments N.
     """
 
-    def __init__(self, scenario: Scenario, place: slice, num_envs: int) -> None:
+    def __init__(self, scenario: Scenario, force_index: slice, num_envs: int) -> None:
         self._deviation, self._largest_bias = scenario.force_noise, scenario.force_bias
-        self._place = place
+        self._force_index = force_index
         self._bias = np.zeros((num_envs, 3))
         self._noise = WhiteNoise(num_envs, 3)
 
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
-        """Draw the constant errors, and seed the noise."""
+        """Draw the biases and seed the noise."""
         rngs = [np.random.default_rng((seed, _STREAM)) for seed in seeds]
         for index, rng in zip(ids, rngs, strict=True):
             self._bias[index] = rng.uniform(-self._largest_bias, self._largest_bias, 3)
         self._noise.begin(ids, rngs)
 
     def advance(self) -> None:
-        """On to the next reading of each environment."""
+        """Go on to the next reading of each environment."""
         self._noise.advance()
 
     def read(self, observation: Array) -> None:
-        """Constant error and noise on top of the contact force."""
-        observation[:, self._place] += self._bias + self._deviation * self._noise.current
+        """Add bias and noise to the contact force."""
+        observation[:, self._force_index] += self._bias + self._deviation * self._noise.current
 
 
 def make_sensors(scenario: Scenario, layout: ObservationLayout, num_envs: int) -> Sensors:
-    """The sensors that a scenario asks for, as far as the observation has what they disturb."""
-    perfect = scenario.force_noise == 0.0 and scenario.force_bias == 0.0
-    if perfect or _FORCE not in layout.names:
+    """Make the sensors of a scenario; an observation without a contact force has no sensor errors."""
+    exact = scenario.force_noise == 0.0 and scenario.force_bias == 0.0
+    if exact or _FORCE not in layout.names:
         return IdealSensors()
     return NoisyForceSensor(scenario, layout.index(_FORCE), num_envs)

@@ -1,4 +1,4 @@
-"""What a step of N environments returns."""
+"""The results of a step of N environments."""
 
 from typing import NamedTuple
 
@@ -9,14 +9,14 @@ from prp_gym.robot.arrays import Array
 
 
 class Step(NamedTuple):
-    """What one step of N environments returned.
+    """The results of one step of N environments.
 
     Attributes:
-        observation: (N, size), new.
-        reward: (N) [s].
-        terminated: (N), diverged.
-        truncated: (N), the episode's duration is over.
-        info: (N, number of info fields).
+        observation: Observations, a new array (N, size).
+        reward: Rewards (N) [s].
+        terminated: Whether each simulation has diverged (N).
+        truncated: Whether the duration of each episode is over (N).
+        info: Values of the info fields (N, number of fields).
     """
 
     observation: Array

@@ -1,1 +1,1 @@
-"""The tasks, one a file, each beside its numbers."""
+"""The tasks, each in a file of its own beside its numbers."""

@@ -33,7 +33,7 @@ PLANT_OPTIONS = {
     "gravity_moment": ResetOption((), "N·m", "largest moment G of the plant's weight"),
 }
 _BOUNDS = {
-    "reference_frequency": (0.05, 20.0),  # beyond these a reference leaves the observation's declared bounds
+    "reference_frequency": (0.05, 20.0),  # outside these the reference leaves its declared bounds
     "inertia": (1e-3, 1e3),
     "viscous_friction": (0.0, 1e3),
     "gravity_moment": (0.0, 1e3),
@@ -42,24 +42,29 @@ _BOUNDS = {
 
 def _plant(name: str) -> dict[str, str]:
     option = PLANT_OPTIONS[name]
-    return describe(option.unit, option.description + "; None draws it")
+    return describe(option.unit, option.description + "; drawn at every reset if None")
 
 
 @dataclass(frozen=True)
 class AdaptiveOptions:
-    """Keywords of the task beside the common ones.
+    """The task's own keywords.
 
     Raises:
         UnknownNameError: a reference that does not exist.
-        InvalidValueError: a number that is none or out of bounds.
+        InvalidValueError: a value that is not a number, or is out of bounds.
     """
 
     reference: str = field(
         default="sine",
-        metadata=describe("", "`sine`, or `square`: an acceleration of ±1 rad/s² that changes sign"),
+        metadata=describe(
+            "", "reference trajectory: `sine`, or `square`, an acceleration of ±1 rad/s² that changes sign"
+        ),
     )
     reference_frequency: float | None = field(
-        default=None, metadata=describe("Hz", "of the reference; None draws it (1 Hz in `report`)")
+        default=None,
+        metadata=describe(
+            "Hz", "frequency of the reference; drawn at every reset if None (1 Hz for the sine in `report`)"
+        ),
     )
     inertia: float | None = field(default=None, metadata=_plant("inertia"))
     viscous_friction: float | None = field(default=None, metadata=_plant("viscous_friction"))
@@ -75,12 +80,12 @@ class AdaptiveOptions:
                 object.__setattr__(self, name, within(name, value, bounds, unit))
 
     def plant(self) -> dict[str, float]:
-        """The plant's numbers that are not None, by name."""
+        """The parameters of the plant that are not None, by name."""
         return {name: getattr(self, name) for name in PLANT_OPTIONS if getattr(self, name) is not None}
 
 
 def make_link(numbers: Mapping[str, float]) -> LinkParameters:
-    """The nominal link with some of its numbers replaced."""
+    """Make the nominal link with some of its parameters replaced."""
     return LinkParameters(
         numbers.get("inertia", NOMINAL_LINK.inertia),
         numbers.get("viscous_friction", NOMINAL_LINK.viscous_friction),
@@ -90,17 +95,17 @@ def make_link(numbers: Mapping[str, float]) -> LinkParameters:
 
 @dataclass(frozen=True, eq=False)
 class LinkStart(EpisodeStart):
-    """A start with its reference and its plant.
+    """The start of an episode with a plant of its own.
 
     Attributes:
-        plant: Link that is to be moved.
+        plant: Parameters of the link in this episode.
     """
 
     plant: LinkParameters
 
 
 class LinkWorld(World[LinkStart]):
-    """A single link whose inertia, friction and weight differ from the nominal ones."""
+    """A single link whose inertia, friction and gravity moment differ from the nominal ones."""
 
     measured_fields = LINK_FIELDS
 
@@ -119,7 +124,9 @@ class LinkWorld(World[LinkStart]):
     ) -> None:
         """See `World.configure`."""
         if not isinstance(physics, LinkPhysics):
-            raise InvalidValueError("physics", type(physics).__name__, "the link's, a LinkPhysics")
+            raise InvalidValueError(
+                "physics", type(physics).__name__, "a LinkPhysics, which simulates the link"
+            )
         links = [start.plant for start in starts]
         physics.set_parameters(
             ids,
@@ -130,7 +137,7 @@ class LinkWorld(World[LinkStart]):
 
 
 class LinkStarts(StartSampler[LinkStart]):
-    """Starts of the link, with its reference and its plant.
+    """Samples starts of the link, with its reference and its plant.
 
     Args:
         setup: Numbers, scenario, keywords and period of the task.
@@ -178,7 +185,7 @@ class LinkStarts(StartSampler[LinkStart]):
 
 
 class LinkReference(Reference):
-    """A motion of the link's joint."""
+    """Motions of the joint of the link."""
 
     fields: ClassVar[tuple[Field, ...]] = LINK_REFERENCE_FIELDS
 
@@ -215,8 +222,8 @@ def compose(setup: TaskSetup) -> TaskParts:
     """Follow a trajectory with one link whose inertia, friction and weight are unknown.
 
     I q̈ + F q̇ + G sin q = τ, with q = 0 hanging down. Scenario `report` has I = 0.5 kg m²,
-    F = 0.15 N m s/rad and G = 1.85 N m, starts hanging at rest and asks for sin 2πt rad; the others draw all
-    of these. The nominal link, which policies may know, has the report's numbers.
+    F = 0.15 N m s/rad and G = 1.85 N m, starts hanging at rest and has the reference sin 2πt rad; the others
+    draw all of these. The nominal link, which policies may use, has the report's numbers.
 
     Source: [R] 8.1.
     """

@@ -1,4 +1,4 @@
-"""PRP-Admittance-v0: give way to a surface as a compliant frame does."""
+"""PRP-Admittance-v0: yield to a surface like a compliant frame."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,7 +19,7 @@ REFERENCES = ("return", "hold")
 
 @dataclass(frozen=True)
 class AdmittanceOptions(TargetOptions):
-    """Keywords of the task beside the common ones.
+    """The task's own keywords.
 
     Raises:
         UnknownNameError: a reference that does not exist.
@@ -27,7 +27,7 @@ class AdmittanceOptions(TargetOptions):
 
     reference: str = field(
         default="return",
-        metadata=describe("", "`return` goes behind the surface and back off it, `hold` stays behind it"),
+        metadata=describe("", "`return` moves behind the surface and back, `hold` stays behind the surface"),
     )
 
     def __post_init__(self) -> None:
@@ -37,12 +37,12 @@ class AdmittanceOptions(TargetOptions):
 
 
 def compose(setup: TaskSetup) -> TaskParts:
-    """Give way to a surface as a compliant frame of given inertia, damping and stiffness does.
+    """Yield to a surface like a compliant frame with given inertia, damping and stiffness.
 
-    The reference moves behind the surface and back. Scored is the distance of the tip from the reference,
-    displaced as the contact force displaces the frame. Scenario `report` moves from home to the
-    pose of (0 rad, -0.25 m, 0 rad) in 1.5 s and to that of (0 rad, -0.1 m, 0 rad) in another 1.5 s, with the
-    surface at y = -0.34 m.
+    The reference moves behind the surface and back. The reward measures the deviation of the tip from the
+    compliant frame, which the contact force displaces from the reference. Scenario `report` moves from home
+    to the pose of (0 rad, -0.25 m, 0 rad) in 1.5 s and to that of (0 rad, -0.1 m, 0 rad) in another 1.5 s,
+    with the surface at y = -0.34 m.
 
     Source: M_t z̈ + K_Dt ż + K_Pt z = h_e, x = x_d - z in [R] 13; [S] 9.3.2.
     """
@@ -56,7 +56,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 TASK = register_task(
     TaskSpec(
         id="PRP-Admittance-v0",
-        summary="give way to a surface as a compliant frame does",
+        summary="yield to a surface like a compliant frame",
         entry=TaskEntry(compose, AdmittanceOptions),
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=TARGET_SCORING,

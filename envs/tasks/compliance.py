@@ -1,4 +1,4 @@
-"""PRP-Compliance-v0: give way to a surface as a spring does."""
+"""PRP-Compliance-v0: yield to a surface like a spring."""
 
 from pathlib import Path
 
@@ -13,12 +13,12 @@ from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
 def compose(setup: TaskSetup) -> TaskParts:
-    """Give way to a surface as a spring of given stiffness does.
+    """Yield to a surface like a spring of given stiffness.
 
-    The desired pose lies behind the surface. Scored is the distance of the tip from x_d - K_P⁻¹h_e, where a
-    spring K_P that holds the tip at x_d would leave it under the present contact force h_e. Scenario
-    `report` starts at home, asks for the pose of (0 rad, -0.2 m, 0 rad), and puts the surface at
-    y = -0.44 m with its free side at y < -0.44 m.
+    The desired pose lies behind the surface. The reward measures the deviation of the tip from
+    x_d - K_P⁻¹h_e, the equilibrium of a spring K_P between x_d and the tip under the present contact force
+    h_e. Scenario `report` starts at home, has the pose of (0 rad, -0.2 m, 0 rad) as its goal, and has the
+    surface at y = -0.44 m with its free side at y < -0.44 m.
 
     Source: [R] 11; [S] 9.2.1.
     """
@@ -31,7 +31,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 TASK = register_task(
     TaskSpec(
         id="PRP-Compliance-v0",
-        summary="give way to a surface as a spring does",
+        summary="yield to a surface like a spring",
         entry=TaskEntry(compose, StiffnessOptions),
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=TARGET_SCORING,

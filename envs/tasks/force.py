@@ -15,9 +15,10 @@ from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 def compose(setup: TaskSetup) -> TaskParts:
     """Press on a surface with a given force and hold the rest of the pose.
 
-    The tip starts off the surface. Scored are the force along the surface's normal, and the deviation from
-    the initial pose in the other directions. Scenario `report` starts at home, asks for 1 N along +y, and
-    puts the surface, of 5 N/m, at y = -0.44 m; with that force the slide ends on its limit, q_2 = -0.3 m.
+    The tip starts off the surface. The reward measures the error of the force along the surface normal and
+    the deviation from the initial pose in the other directions. Scenario `report` starts at home, has a
+    desired force of 1 N along +y, and a surface of 5 N/m at y = -0.44 m; that force brings the slide
+    to its limit, q_2 = -0.3 m.
 
     Source: [R] 14; [S] 9.4.2.
     """
@@ -31,7 +32,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 TASK = register_task(
     TaskSpec(
         id="PRP-Force-v0",
-        summary="press on a surface with a given force, hold the rest",
+        summary="press on a surface with a given force and hold the rest of the pose",
         entry=TaskEntry(compose, ForceOptions),
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=FORCE_SCORING,

@@ -29,12 +29,12 @@ STARTS = ("goal", "home")
 class ReachWaypoints(QuinticWaypoints):
     """Quintic segments in q_1, the reach L = q_2 + d̄_2 + a_3 C_3 and q_3, as motions of the joints.
 
-    While q_1 and L rest and q_3 turns, the tip moves along a plane across the slide.
+    While q_1 and L are constant and q_3 rotates, the tip moves along a plane perpendicular to the slide.
 
     Attributes:
-        positions: (N, K, 3) q_1 [rad], L [m], q_3 [rad].
-        slide_offset: d̄_2 (N, 1) [m].
-        third_link: a_3 (N, 1) [m].
+        positions: Values of q_1 [rad], L [m] and q_3 [rad] at the waypoints (N, K, 3).
+        slide_offset: Slide offset d̄_2 (N, 1) [m].
+        third_link: Length a_3 of the third link (N, 1) [m].
     """
 
     slide_offset: Array
@@ -42,7 +42,7 @@ class ReachWaypoints(QuinticWaypoints):
 
     @classmethod
     def through(cls, arm: PRPArm, times: Array, joints: Array) -> "ReachWaypoints":
-        """One row, at given times (K) [s] at given joint positions (K, 3) [rad, m, rad]."""
+        """Make one row through joint positions (K, 3) [rad, m, rad] at given times (K) [s]."""
         geometry = arm.parameters.geometry
         d_2, a_3 = geometry.slide_offset, geometry.third_link_length
         positions = joints.copy()
@@ -62,7 +62,7 @@ class ReachWaypoints(QuinticWaypoints):
 
     @property
     def goal(self) -> Array:
-        """The last waypoint, (N, 3) [rad, m, rad]."""
+        """The last waypoint as a joint position (N, 3) [rad, m, rad]."""
         goal = super().goal.copy()
         goal[:, 1] -= self.slide_offset[:, 0] + self.third_link[:, 0] * np.cos(goal[:, 2])
         return goal
@@ -70,7 +70,7 @@ class ReachWaypoints(QuinticWaypoints):
 
 @dataclass(frozen=True)
 class ForcePositionOptions(ForceOptions):
-    """Keywords of the task beside the common ones.
+    """The task's own keywords.
 
     Raises:
         UnknownNameError: a start that does not exist.
@@ -79,7 +79,8 @@ class ForcePositionOptions(ForceOptions):
     start: str = field(
         default="goal",
         metadata=describe(
-            "", "`goal` begins on the reference, `home` at q = 0 as the report's author ran it"
+            "",
+            "initial position: `goal` is on the reference, `home` is q = 0, as the report's author ran it",
         ),
     )
 
@@ -90,7 +91,7 @@ class ForcePositionOptions(ForceOptions):
 
 
 class HomeStarts(ContactStarts):
-    """Starts at home, whatever was drawn, unless a reset option says otherwise."""
+    """Samples starts at home, unless a reset option gives another joint position."""
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
         """See `StartSampler.draw`."""
@@ -101,16 +102,19 @@ class HomeStarts(ContactStarts):
 def compose(setup: TaskSetup) -> TaskParts:
     """Press on a surface with a given force and follow a pose in the other directions.
 
-    Scored are the force along the surface's normal, and the deviation from the desired pose in the other
-    directions. Scenario `report` holds the pose of (-π/2 rad, -0.1 m, -π/6 rad), 0.1 m off a surface at
-    x = -0.3078 m, and asks for 0.5 N along +x; its own run, with 1 N/m and from home, needs q_2 = -0.7 m,
-    far beyond the slide's limit, so that 50 N/m is the default. The others move the tip along the surface.
+    The reward measures the error of the force along the surface normal and the deviation from the desired
+    pose in the other directions. Scenario `report` holds the pose of (-π/2 rad, -0.1 m, -π/6 rad), 0.1 m off
+    a surface at x = -0.3078 m, with a desired force of 0.5 N along +x; the report's own experiment, with
+    1 N/m and from home, needs q_2 = -0.7 m, far beyond the slide's limit, so that 50 N/m is the default. The
+    other scenarios move the tip along the surface.
 
     Source: [R] 15; [S] 9.4.3.
     """
     start, world = setup.options.start, ContactWorld(setup)
     if start == "home" and not setup.scenario.deterministic:
-        allowed = "'goal': home may lie behind a surface that is drawn (scenario 'report' draws none)"
+        allowed = (
+            "'goal' in this scenario: home may lie behind a drawn surface ('home' needs scenario 'report')"
+        )
         raise InvalidValueError("start", start, allowed)
     sampler = HomeStarts if start == "home" else ContactStarts
     starts = sampler(setup, world, partial(_along_surface, world.arm), NormalForce(setup.options))
@@ -119,7 +123,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 
 
 def _along_surface(arm: PRPArm, start: Array, waypoints: Array, intervals: Array) -> Trajectory:
-    """Along the surface, from the start through the waypoints; see `ContactPath`."""
+    """Segments along the surface from the start through the waypoints; see `ContactPath`."""
     return ReachWaypoints.through(arm, *path_from(start, waypoints, intervals))
 
 

@@ -1,4 +1,4 @@
-"""PRP-Impedance-v0: behave as a mass, damper and spring towards a surface."""
+"""PRP-Impedance-v0: behave towards a surface like a mass, damper and spring."""
 
 from pathlib import Path
 
@@ -13,11 +13,11 @@ from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
 def compose(setup: TaskSetup) -> TaskParts:
-    """Behave towards a surface as a mass, damper and spring does.
+    """Behave towards a surface like a mass, damper and spring.
 
-    The reference moves to a pose behind the surface. Scored is the distance of the tip from the target model,
-    which the contact force drives along the same reference. Scenario `report` moves from home to the
-    pose of (0 rad, -0.2 m, 0 rad) in 1 s, with the surface at y = -0.44 m.
+    The reference moves to a pose behind the surface. The reward measures the deviation of the tip from a
+    target model, which the contact force displaces from the same reference. Scenario `report` moves from home
+    to the pose of (0 rad, -0.2 m, 0 rad) in 1 s, with the surface at y = -0.44 m.
 
     Source: M_d x̃¨ + K_D x̃˙ + K_P x̃ = h_e in [R] 12; [S] 9.3.1.
     """
@@ -30,7 +30,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 TASK = register_task(
     TaskSpec(
         id="PRP-Impedance-v0",
-        summary="behave towards a surface as a mass, damper and spring does",
+        summary="behave towards a surface like a mass, damper and spring",
         entry=TaskEntry(compose, TargetOptions),
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=TARGET_SCORING,

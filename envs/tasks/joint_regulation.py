@@ -16,7 +16,7 @@ from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 def compose(setup: TaskSetup) -> TaskParts:
     """Bring the joints to a position and hold it.
 
-    Scenario `report` starts at home and asks for (π/2 rad, -0.2 m, π rad); the others draw start and
+    Scenario `report` starts at home with the goal (π/2 rad, -0.2 m, π rad); the others draw start and
     goal over nearly the whole joint range.
 
     Source: [R] 6.1-6.3, 7.1.

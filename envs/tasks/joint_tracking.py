@@ -32,7 +32,7 @@ REFERENCES = tuple(_SAMPLERS)
 
 @dataclass(frozen=True)
 class TrackingOptions(StartOptions):
-    """Keywords of the task beside the common ones.
+    """The task's own keywords.
 
     Raises:
         UnknownNameError: a reference or start that does not exist.
@@ -40,7 +40,9 @@ class TrackingOptions(StartOptions):
 
     reference: str = field(
         default="quintic",
-        metadata=describe("", "`quintic` (through waypoints, at rest in each), `sine` or `constant`"),
+        metadata=describe(
+            "", "reference trajectory: `quintic` (through waypoints, at rest in each), `sine` or `constant`"
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -52,8 +54,8 @@ class TrackingOptions(StartOptions):
 def compose(setup: TaskSetup) -> TaskParts:
     """Follow a joint-space trajectory.
 
-    Scenario `report` runs the report's waypoints (or its sine) from home; the others draw waypoints
-    over nearly the whole joint range and begin at the arm's initial position.
+    Scenario `report` has the report's waypoints (or its sine) and starts at home; the others draw waypoints
+    over nearly the whole joint range and start at the arm's initial position.
 
     Source: [R] 6.4, 7.1.
     """

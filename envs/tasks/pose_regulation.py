@@ -16,8 +16,8 @@ from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 def compose(setup: TaskSetup) -> TaskParts:
     """Bring the end effector to a pose and hold it.
 
-    Scenario `report` starts at home and asks for the pose of (-π/3 rad, -0.1 m, π/2 rad); the others draw
-    start and goal over nearly the whole joint range.
+    Scenario `report` starts at home, with the pose of (-π/3 rad, -0.1 m, π/2 rad) as its goal; the others
+    draw start and goal over nearly the whole joint range.
 
     Source: [R] 9.1.
     """

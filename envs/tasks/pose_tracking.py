@@ -24,7 +24,7 @@ REFERENCES = ("joint", "pose")
 
 @dataclass(frozen=True)
 class PoseTrackingOptions(StartOptions):
-    """Keywords of the task beside the common ones.
+    """The task's own keywords.
 
     Raises:
         UnknownNameError: a reference or start that does not exist.
@@ -34,8 +34,8 @@ class PoseTrackingOptions(StartOptions):
         default="joint",
         metadata=describe(
             "",
-            "space in which the quintic joins the waypoints: `joint` (the arm can follow), or `pose` as in"
-            " the report (between the waypoints three joints cannot attain it)",
+            "space in which the quintic connects the waypoints: `joint` (the arm can follow), or `pose` as in"
+            " the report (between waypoints, three joints cannot attain every such pose)",
         ),
     )
 
@@ -46,7 +46,7 @@ class PoseTrackingOptions(StartOptions):
 
 
 class PoseWaypointSampler(WaypointSampler):
-    """Quintic segments of the pose, through the poses of joint waypoints."""
+    """Draws quintic segments of the pose through the poses of joint waypoints."""
 
     def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
         """See `ReferenceSampler.draw`; a goal replaces the last waypoint."""
@@ -57,8 +57,8 @@ class PoseWaypointSampler(WaypointSampler):
 def compose(setup: TaskSetup) -> TaskParts:
     """Follow a trajectory of the end effector's pose.
 
-    Scenario `report` runs through the poses of the report's waypoints from home; the others draw waypoints
-    over nearly the whole joint range and begin at the arm's initial pose.
+    Scenario `report` starts at home and moves through the poses of the report's waypoints; the others draw
+    waypoints over nearly the whole joint range and start at the arm's initial pose.
 
     Source: [R] 10.1.
     """

@@ -1,4 +1,4 @@
-"""The vocabulary of tasks: observation fields, reference trajectories, reward, scenarios."""
+"""Tasks: their declarations and parts, observation fields, reference trajectories, reward, scenarios."""
 
 from prp_gym.tasks.fields import Field, ObservationLayout
 from prp_gym.tasks.parts import EpisodeStart, ErrorFunction, Reference, ResetOption, StartSampler, World

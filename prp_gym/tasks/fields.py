@@ -14,8 +14,8 @@ POSITION_BOUND = (100.0, 2.0, 100.0)
 SPEED_BOUND = (500.0, 100.0, 500.0)
 """A simulation whose joints leave these bounds [rad, m, rad] and [rad/s, m/s, rad/s] has diverged."""
 
-_REACH_BOUND = 5.0  # [m]: 2 m of slide beyond the arm's own lengths, rounded up
-_TIP_SPEED_BOUND = 3000.0  # [m/s]: the speed bounds at that reach, rounded up
+_REACH_BOUND = 5.0  # [m]: 2 m of slide and the lengths of the arm, rounded up
+_TIP_SPEED_BOUND = 3000.0  # [m/s]: tip speed at the joint speed bounds and that reach, rounded up
 _JOINT_ACCELERATION_BOUND = (1e5, 1e4, 1e5)
 _TIP_ACCELERATION_BOUND = 1e6
 
@@ -25,12 +25,12 @@ class Field:
     """One named part of an observation.
 
     Attributes:
-        name: as users and laws ask for it.
-        units: one a component; their number is the field's size.
-        frame: what it is resolved in.
-        low: lower bounds, in the units.
-        high: upper bounds, in the units.
-        description: what it is.
+        name: Name by which users and controllers refer to it.
+        units: Units of the components; their number is the size of the field.
+        frame: Frame in which it is expressed.
+        low: Lower bounds, in these units.
+        high: Upper bounds, in these units.
+        description: Meaning of the field.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Field:
 
     @property
     def shape(self) -> tuple[int]:
-        """(size,)."""
+        """The shape (size,) of the field."""
         return (len(self.units),)
 
     @classmethod
@@ -62,13 +62,13 @@ class Field:
 
 
 class ObservationLayout:
-    """Where each field lies in a flat observation.
+    """The positions of the fields in a flat observation.
 
     Args:
-        fields: in order.
+        fields: Fields in the order of the observation.
 
     Raises:
-        InvalidValueError: no field, or a name given twice.
+        InvalidValueError: no field, or a name that occurs twice.
     """
 
     def __init__(self, fields: Sequence[Field]) -> None:
@@ -98,7 +98,7 @@ class ObservationLayout:
         """The slice of a field.
 
         Raises:
-            UnknownNameError: no such field.
+            UnknownNameError: a field that does not exist.
         """
         try:
             return self.slices[name]
@@ -106,16 +106,16 @@ class ObservationLayout:
             raise UnknownNameError("observation field", name, self.slices) from None
 
     def split(self, observation: ArrayLike) -> dict[str, Array]:
-        """A flat observation as named parts.
+        """Split a flat observation into named fields.
 
         Args:
-            observation: (..., size).
+            observation: Observations (..., size).
 
         Returns:
-            per field a view (..., field size).
+            A view (..., field size) for each field, by name.
 
         Raises:
-            ShapeError: another last axis.
+            ShapeError: a last axis of another size.
         """
         flat = np.asarray(observation, dtype=np.float64)
         if flat.ndim == 0 or flat.shape[-1] != self.size:
@@ -123,7 +123,7 @@ class ObservationLayout:
         return {name: flat[..., part] for name, part in self.slices.items()}
 
     def space(self) -> Box[np.float64]:
-        """The space of one observation, float64."""
+        """The observation space of one environment, float64."""
         low = np.array([value for field in self.fields for value in field.low])
         high = np.array([value for field in self.fields for value in field.high])
         return Box(low, high, dtype=np.float64)
@@ -156,63 +156,87 @@ MEASURED_FIELDS = (
         "time derivative of the pose, J_A q̇ (γ̇ is always 0)",
     ),
 )
-"""What every environment of the arm observes, in the order of `Physics.measurement`."""
+"""Observed in every environment of the arm, in the order of `Physics.measurement`."""
 
 CONTACT_FORCE = Field.symmetric(
     "contact_force", ("N",) * 3, "world", (_LARGEST_FORCE,) * 3, "force h_e by the tip on the surface"
 )
-"""What is measured beside `MEASURED_FIELDS` where there is a surface; next in `Physics.measurement`."""
+"""Measured beside `MEASURED_FIELDS` in worlds with a surface; it follows them in `Physics.measurement`."""
 
 JOINT_REFERENCE_FIELDS = (
-    Field.symmetric("desired_joint_position", _JOINT_UNITS, "joint", POSITION_BOUND, "q_d"),
-    Field.symmetric("desired_joint_velocity", _JOINT_RATES, "joint", SPEED_BOUND, "q̇_d"),
     Field.symmetric(
-        "desired_joint_acceleration", _JOINT_ACCELERATIONS, "joint", _JOINT_ACCELERATION_BOUND, "q̈_d"
+        "desired_joint_position", _JOINT_UNITS, "joint", POSITION_BOUND, "desired joint positions q_d"
+    ),
+    Field.symmetric(
+        "desired_joint_velocity", _JOINT_RATES, "joint", SPEED_BOUND, "desired joint velocities q̇_d"
+    ),
+    Field.symmetric(
+        "desired_joint_acceleration",
+        _JOINT_ACCELERATIONS,
+        "joint",
+        _JOINT_ACCELERATION_BOUND,
+        "desired joint accelerations q̈_d",
     ),
 )
 """The reference of joint-space tasks."""
 
 POSE_REFERENCE_FIELDS = (
-    Field.symmetric("desired_pose", _POSE_UNITS, "world", _POSE_BOUND, "x_d: tip position and α, β, γ"),
+    Field.symmetric(
+        "desired_pose", _POSE_UNITS, "world", _POSE_BOUND, "desired pose x_d: tip position and α, β, γ"
+    ),
     Field.symmetric(
         "desired_velocity",
         _POSE_RATES,
         "world",
         (_TIP_SPEED_BOUND,) * 3 + (SPEED_BOUND[0], SPEED_BOUND[2], 1.0),
-        "ẋ_d",
+        "time derivative of the desired pose, ẋ_d",
     ),
     Field.symmetric(
         "desired_acceleration",
         ("m/s²",) * 3 + ("rad/s²",) * 3,
         "world",
         (_TIP_ACCELERATION_BOUND,) * 3 + (_JOINT_ACCELERATION_BOUND[0], _JOINT_ACCELERATION_BOUND[2], 1.0),
-        "ẍ_d",
+        "second time derivative of the desired pose, ẍ_d",
     ),
 )
 """The reference of operational-space tasks."""
 
 DESIRED_FORCE = Field.symmetric(
-    "desired_force", ("N",) * 3, "world", (_LARGEST_FORCE,) * 3, "f_d, by the tip on the surface"
+    "desired_force",
+    ("N",) * 3,
+    "world",
+    (_LARGEST_FORCE,) * 3,
+    "desired force f_d by the tip on the surface",
 )
-"""What force tasks ask for."""
+"""The reference of force tasks beside the pose."""
 
 MODEL_POSE = Field.symmetric(
-    "model_pose", _POSE_UNITS, "world", (np.inf,) * 6, "where the target model, driven by the force, would be"
+    "model_pose", _POSE_UNITS, "world", (np.inf,) * 6, "pose of the target model under the contact force"
 )
-"""Against what compliance, impedance and admittance tasks judge; recorded, not observed."""
+"""The reference of the errors of compliance, impedance and admittance tasks; recorded, not observed."""
 
 LINK_POSITION_BOUND = 1e5
-"""The link turns freely [rad]: at its greatest speed this takes 200 s."""
+"""Bound of the link's unlimited rotation [rad], which takes 200 s at its largest speed."""
 
 LINK_FIELDS = (
     Field.symmetric("joint_position", ("rad",), "joint", (LINK_POSITION_BOUND,), "joint position q"),
     Field.symmetric("joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "joint velocity q̇"),
 )
-"""What the environment of the single link observes, in the order of `LinkPhysics.measurement`."""
+"""Observed in the environment of the single link, in the order of `LinkPhysics.measurement`."""
 
 LINK_REFERENCE_FIELDS = (
-    Field.symmetric("desired_joint_position", ("rad",), "joint", (LINK_POSITION_BOUND,), "q_d"),
-    Field.symmetric("desired_joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "q̇_d"),
-    Field.symmetric("desired_joint_acceleration", ("rad/s²",), "joint", _JOINT_ACCELERATION_BOUND[:1], "q̈_d"),
+    Field.symmetric(
+        "desired_joint_position", ("rad",), "joint", (LINK_POSITION_BOUND,), "desired joint position q_d"
+    ),
+    Field.symmetric(
+        "desired_joint_velocity", ("rad/s",), "joint", SPEED_BOUND[:1], "desired joint velocity q̇_d"
+    ),
+    Field.symmetric(
+        "desired_joint_acceleration",
+        ("rad/s²",),
+        "joint",
+        _JOINT_ACCELERATION_BOUND[:1],
+        "desired joint acceleration q̈_d",
+    ),
 )
 """The reference of the single link."""

@@ -80,7 +80,7 @@ class World(ABC, Generic[StartT]):
         starts: Sequence[StartT],
         plants: Sequence[Any],
     ) -> None:
-        """Give some simulations (n) the plants and surroundings of their new episodes."""
+        """Set the plants and surroundings of new episodes in some simulations (n)."""
 
 
 class StartSampler(ABC, Generic[StartT]):
@@ -101,11 +101,11 @@ class StartSampler(ABC, Generic[StartT]):
             options: Validated values, by names of `reset_options`, that replace drawn ones.
 
         Returns:
-            the start.
+            The start of the episode.
 
         Raises:
             JointLimitError: a start or goal outside the joint limits.
-            InvalidValueError: another value that is not allowed.
+            InvalidValueError: any other value that is not allowed.
         """
 
 
@@ -137,7 +137,7 @@ class Reference(ABC):
         return self.trajectory if ids is None else self.trajectory.rows(ids)
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
-        """Take up new episodes in some environments (n); the first call covers every environment."""
+        """Begin new episodes in some environments (n); the first call covers every environment."""
         rows = [start.trajectory for start in starts]
         stacked = type(rows[0]).concatenate(rows)
         if self._trajectory is None:
@@ -154,22 +154,22 @@ class Reference(ABC):
             ids: Environments (n); None for all.
 
         Returns:
-            (..., n, size of the reference fields).
+            Reference fields (..., n, size).
         """
 
     @abstractmethod
     def overlay(self, index: int, duration: float) -> list["OverlayItem"]:
-        """What frames show of one environment's reference over a duration [s]: goal and path."""
+        """The overlay of one environment's frames: goal and path of its reference over a duration [s]."""
 
 
 class ErrorFunction(ABC):
-    """The errors that the terms of the reward judge; it may integrate a model of its own.
+    """The errors from which the reward terms are computed; it may integrate a model of its own.
 
     Attributes:
-        judged_fields: Quantities that are recorded and judged beside the observation, and not observed.
+        unobserved_fields: Quantities that are recorded and used beside the observation, but not observed.
     """
 
-    judged_fields: ClassVar[tuple[Field, ...]] = ()
+    unobserved_fields: ClassVar[tuple[Field, ...]] = ()
 
     @property
     def target_impedance(self) -> Mapping[str, Array]:
@@ -177,26 +177,26 @@ class ErrorFunction(ABC):
         return {}
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:  # noqa: B027 (most have no state)
-        """Take up new episodes in some environments (n); the first call covers every environment."""
+        """Begin new episodes in some environments (n); the first call covers every environment."""
 
     def advance(self, ground_truth: Array) -> None:  # noqa: B027
-        """Integrate what the function itself integrates over one period.
+        """Integrate the model of the function, if it has one, over one control period.
 
         Args:
-            ground_truth: Ground truth (N, size) at the end of the period, all but the judged fields.
+            ground_truth: Ground truth (N, size) at the end of the period, all but the unobserved fields.
         """
 
     def complete(self, ground_truth: Array) -> None:  # noqa: B027
-        """Write the judged fields into the ground truth (N, size), in place."""
+        """Write the unobserved fields into the ground truth (N, size), in place."""
 
     @abstractmethod
     def errors(self, ground_truth: Array, torque: Array) -> Array:
-        """The errors of a step, in the order and units of the reward's terms.
+        """The errors of a step, in the order and units of the reward terms.
 
         Args:
             ground_truth: Ground truth (..., size) after the step.
             torque: Commanded torque within the actuator limits (..., joints) [N m, N, N m].
 
         Returns:
-            (..., terms, width), width that of the longest term; the rest of a shorter one is zero.
+            Errors (..., terms, width), where width is that of the longest term; shorter ones end with zeros.
         """

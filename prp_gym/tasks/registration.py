@@ -19,10 +19,10 @@ def register_task(spec: TaskSpec) -> TaskSpec:
         spec: Declaration, in this package or in another one.
 
     Returns:
-        the declaration.
+        The declaration.
 
     Raises:
-        InvalidValueError: an id that another task has or that is not a word; a revision below 1.
+        InvalidValueError: an id that is taken or not allowed as a name, or a revision below 1.
     """
     TASKS.register(spec)
     _register_id(spec.id)
@@ -52,5 +52,5 @@ def _register_id(environment_id: str) -> None:
             entry_point=_ENTRY_POINT,
             vector_entry_point=_VECTOR_ENTRY_POINT,
             kwargs={"task": environment_id},
-            order_enforce=False,  # the environments do so themselves
+            order_enforce=False,  # the environments raise their own error
         )

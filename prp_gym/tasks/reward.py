@@ -13,13 +13,13 @@ from prp_gym.robot.arrays import Array
 
 @dataclass(frozen=True)
 class RewardTerm:
-    """One term w κ(‖e/s‖).
+    """One reward term w κ(‖e/s‖).
 
     Attributes:
-        name: as it appears in `info`, there with the prefix `reward_`.
-        weight: w, the term's share of the score.
-        scale: s, the error in one component that alone halves the term's worth.
-        unit: of each component.
+        name: Name of the term; `info` has it with the prefix `reward_`.
+        weight: Weight w, the largest share of the term in the score.
+        scale: Scale s of each component: an error of one scale in a single component halves the term.
+        unit: Unit of each component.
     """
 
     name: str
@@ -29,18 +29,18 @@ class RewardTerm:
 
     @classmethod
     def from_table(cls, name: str, table: Mapping[str, Any]) -> "RewardTerm":
-        """A term as it stands in a data file."""
+        """Make a term from a table of a data file."""
         return cls(name, float(table["weight"]), tuple(map(float, table["scale"])), tuple(table["unit"]))
 
 
 class Reward:
-    """dt Σ w_i κ(‖e_i/s_i‖): an episode's return lies in [0, duration] whatever the control rate.
+    """dt Σ w_i κ(‖e_i/s_i‖): an episode's return lies in [0, duration] whatever the control frequency.
 
-    κ(z) = 1/(1 + z): 1 without error, ½ at an error of one scale, and never flat.
+    κ(z) = 1/(1 + z): 1 without error, ½ at an error of one scale, with a nonzero slope everywhere.
 
     Args:
-        terms: with weights that sum to 1.
-        period: dt, the control period [s].
+        terms: Reward terms, whose weights sum to 1.
+        period: Control period dt [s].
 
     Raises:
         InvalidValueError: weights that are negative or do not sum to 1, a scale that is not positive.
@@ -56,32 +56,32 @@ class Reward:
             if not all(value > 0.0 for value in term.scale):
                 raise InvalidValueError(f"scale of reward term {term.name!r}", term.scale, "above 0")
         self.terms = tuple(terms)
-        self._worth = np.array([term.weight * period for term in terms])
+        self._largest = np.array([term.weight * period for term in terms])
         width = max(len(term.scale) for term in terms)
         self._per_scale = np.zeros((len(terms), width))
         for row, term in zip(self._per_scale, terms, strict=True):
             row[: len(term.scale)] = 1.0 / np.array(term.scale)
-        self._shape_up((1, len(terms), width))
+        self._expand((1, len(terms), width))
 
-    def _shape_up(self, shape: tuple[int, ...]) -> None:
-        """Bring the numbers to the shape of errors: on small arrays broadcasting costs more than sums do."""
+    def _expand(self, shape: tuple[int, ...]) -> None:
+        """Expand weights and scales to the shape of the errors once: broadcasting small arrays is slow."""
         self._shape = shape
         self._factor = np.broadcast_to(self._per_scale, shape).copy()
-        self._numerator = np.broadcast_to(self._worth, shape[:-1]).copy()
+        self._numerator = np.broadcast_to(self._largest, shape[:-1]).copy()
         self._one = np.ones(shape[:-1])
 
     def __call__(self, errors: Array) -> Array:
-        """What each term contributes to a step's reward.
+        """The contribution of each term to the reward of a step.
 
         Args:
-            errors: (..., terms, width) in the terms' units, width that of the longest scale; what a
-                shorter term leaves over does not count.
+            errors: Errors in the units of the terms (..., terms, width), where width is that of the longest
+                scale; further components of shorter terms do not count.
 
         Returns:
-            (..., terms) [s]; their sum is the reward.
+            Contributions (..., terms) [s], whose sum is the reward.
         """
         if errors.shape != self._shape:
-            self._shape_up(errors.shape)
+            self._expand(errors.shape)
         scaled = errors * self._factor
         denominator: Array = np.sqrt(np.vecdot(scaled, scaled))
         denominator += self._one

@@ -1,4 +1,4 @@
-"""Scenarios: how far the world departs from the ideal, as data."""
+"""Scenarios: how much the conditions of an episode differ from the ideal ones, as data."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ SCENARIOS = ("report", "randomized", "realistic")
 
 @dataclass(frozen=True)
 class Range:
-    """A box from which vectors are drawn; nested lists of a data file are laid end to end.
+    """A box from which vectors are drawn uniformly; nested lists of a data file are flattened.
 
     Attributes:
-        low: lower corner.
-        high: upper corner.
-        logarithmic: whether the logarithms are uniform, rather than the values.
+        low: Lower corner of the box.
+        high: Upper corner of the box.
+        logarithmic: Whether the logarithms of the values are uniformly distributed, instead of the values.
     """
 
     low: tuple[float, ...]
@@ -33,12 +33,12 @@ class Range:
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> "Range":
-        """A range as it stands in a data file."""
+        """Make a range from a table of a data file."""
         low, high = (tuple(np.ravel(table[name]).tolist()) for name in ("low", "high"))
         return cls(low, high, bool(table.get("logarithmic", False)))
 
     def draw(self, rng: np.random.Generator) -> Array:
-        """One vector."""
+        """Draw one vector."""
         drawn = rng.uniform(*self._corners)
         return np.exp(drawn) if self.logarithmic else drawn
 
@@ -48,9 +48,9 @@ class PlantDraw:
     """How one episode's plant differs from the nominal arm.
 
     Attributes:
-        mass_factor: (3).
-        viscous_friction: (3) [N m s/rad, N s/m, N m s/rad].
-        coulomb_friction: (3) [N m, N, N m].
+        mass_factor: Factors on the link masses (3).
+        viscous_friction: Viscous friction F_v of the joints (3) [N m s/rad, N s/m, N m s/rad].
+        coulomb_friction: Coulomb friction F_s of the joints (3) [N m, N, N m].
     """
 
     mass_factor: Array
@@ -60,22 +60,22 @@ class PlantDraw:
 
 @dataclass(frozen=True)
 class Scenario:
-    """The conditions under which a task is played.
+    """The conditions of the episodes of a task.
 
     Attributes:
-        name: one of `SCENARIOS`.
-        description: one sentence for the documentation.
-        deterministic: whether every episode is the same.
-        draws: the name of the task's ranges from which starts and goals are drawn.
-        joint_stops: whether the joints stop at their limits.
-        torque_limit_factor: actuator limits, relative to the nominal ones.
-        mass_factor: factors on link masses (3).
-        viscous_friction: F_v (3) [N m s/rad, N s/m, N m s/rad].
-        coulomb_friction: F_s (3) [N m, N, N m].
-        torque_noise: standard deviation of white noise on the torques, a share of the nominal limits.
-        delay_steps: control periods by which the torques come late.
-        force_noise: standard deviation of white noise on each axis of the force sensor [N].
-        force_bias: largest constant error of each axis of the force sensor [N].
+        name: Name of the scenario, one of `SCENARIOS`.
+        description: Description for the documentation.
+        deterministic: Whether every episode is the same.
+        draws: Name of the task's ranges from which starts and goals are drawn.
+        joint_stops: Whether the joints stop at their limits.
+        torque_limit_factor: Ratio of the actuator limits to the nominal ones.
+        mass_factor: Range of the factors on the link masses (3).
+        viscous_friction: Range of the viscous friction F_v (3) [N m s/rad, N s/m, N m s/rad].
+        coulomb_friction: Range of the Coulomb friction F_s (3) [N m, N, N m].
+        torque_noise: Standard deviation of white noise on the torques, as a fraction of the nominal limits.
+        delay_steps: Actuation delay in control periods.
+        force_noise: Standard deviation of white noise on each axis of the force sensor [N].
+        force_bias: Largest bias of each axis of the force sensor [N].
     """
 
     name: str
@@ -94,7 +94,7 @@ class Scenario:
 
     @classmethod
     def from_table(cls, name: str, table: Mapping[str, Any]) -> "Scenario":
-        """A scenario as it stands in a data file."""
+        """Make a scenario from a table of a data file."""
         return cls(
             name=name,
             description=str(table["description"]),
@@ -118,7 +118,7 @@ class Scenario:
         return unit and not any(self.viscous_friction.high) and not any(self.coulomb_friction.high)
 
     def draw_plant(self, rng: np.random.Generator) -> PlantDraw:
-        """One episode's plant."""
+        """Draw the plant of one episode."""
         return PlantDraw(
             self.mass_factor.draw(rng), self.viscous_friction.draw(rng), self.coulomb_friction.draw(rng)
         )

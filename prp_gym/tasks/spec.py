@@ -1,4 +1,4 @@
-"""`TaskSpec`: all that is to be said once about a task, and the registry of tasks."""
+"""`TaskSpec`: the declaration of a task, and the registry of tasks."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -22,8 +22,8 @@ class TaskError:
     """The physical error of a task, against which its reward is audited: a sum of scaled metrics.
 
     Attributes:
-        parts: by metric, the values of its components that count the same.
-        reason: why it is this error.
+        parts: Scales of the summed metrics, one for each component: errors of one scale count the same.
+        reason: Reason for the choice of this error.
     """
 
     parts: Mapping[str, tuple[float, ...]]
@@ -31,17 +31,17 @@ class TaskError:
 
     @property
     def name(self) -> str:
-        """For tables."""
+        """The name of the error in tables."""
         return " + ".join(self.parts)
 
 
 @dataclass(frozen=True)
 class TaskScoring:
-    """How policies on a task are shown and audited.
+    """How the results of policies on a task are shown and audited.
 
     Attributes:
-        columns: metrics whose medians stand in the tables of the task, in their order.
-        error: physical error for the audit of the reward; None leaves the task out of the audit.
+        columns: Metrics whose medians are the columns of the task's tables, in their order.
+        error: Physical error for the audit of the reward; None leaves the task out of the audit.
     """
 
     columns: tuple[str, ...] = ()
@@ -53,8 +53,8 @@ class TaskEntry:
     """The code of a task.
 
     Attributes:
-        compose: makes the parts of the task; its docstring is the task's data sheet.
-        options: dataclass of the keywords of its own.
+        compose: Function that makes the parts of the task; its docstring is the task's data sheet.
+        options: Dataclass of the task's own keywords.
     """
 
     compose: "Callable[[TaskSetup], TaskParts]"
@@ -66,14 +66,14 @@ class TaskSpec:
     """The declaration of a task; it stands in the task's file.
 
     Attributes:
-        id: for `gymnasium.make`, such as `PRP-Force-v0`.
-        summary: one line for lists.
-        entry: its code.
-        numbers: TOML file with its reward terms, ranges of draws and constants.
-        scoring: how policies on it are shown and audited.
-        chapter: of the report, for the order of lists.
-        revision: of its behaviour, stored in results and agents' cards.
-        released: whether it belongs to a release, whose tasks all have trained agents.
+        id: Id for `gymnasium.make`, such as `PRP-Force-v0`.
+        summary: Summary of the task in one line, for lists.
+        entry: Code of the task.
+        numbers: TOML file with the reward terms, the ranges of draws and the constants.
+        scoring: Columns of its tables, and physical error for the audit of its reward.
+        chapter: Chapter of the report, for the order of lists.
+        revision: Revision of its behaviour, stored in results and agents' cards.
+        released: Whether it belongs to a release, in which every task has trained agents.
     """
 
     id: str

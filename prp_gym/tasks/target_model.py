@@ -10,16 +10,16 @@ from numpy.typing import ArrayLike
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array, as_vectors
 
-_SAFE_SQUARINGS = 4  # beyond a norm of 1
+_SAFE_SQUARINGS = 4  # beyond those that bring the norm to 1
 _TAYLOR_TERMS = 16
 
 
 class Displacement(NamedTuple):
-    """How far a model has given way.
+    """The displacement of a model from its equilibrium without force.
 
     Attributes:
-        value: z (..., 6) [m, m, m, rad, rad, rad].
-        rate: ż (..., 6) per second.
+        value: Displacement z (..., 6) [m, m, m, rad, rad, rad].
+        rate: Time derivative ż (..., 6) per second.
     """
 
     value: Array
@@ -27,7 +27,7 @@ class Displacement(NamedTuple):
 
     @classmethod
     def zero(cls, shape: tuple[int, ...]) -> "Displacement":
-        """At rest, for leading dimensions `shape`."""
+        """A displacement of zero, at rest, with leading dimensions `shape`."""
         return cls(np.zeros((*shape, 6)), np.zeros((*shape, 6)))
 
 
@@ -36,13 +36,13 @@ class TargetModel:
     """Six independent axes with inertia, damping and stiffness.
 
     Attributes:
-        inertia: M (6), above 0 [kg, kg, kg, kg m^2, kg m^2, kg m^2].
-        damping: K_D (6), at least 0 [N s/m, ..., N m s/rad, ...].
-        stiffness: K_P (6), at least 0 [N/m, ..., N m/rad, ...].
-        period: between two calls of `advance` [s].
+        inertia: Inertia M (6), above 0 [kg, kg, kg, kg m^2, kg m^2, kg m^2].
+        damping: Damping K_D (6), at least 0 [N s/m, ..., N m s/rad, ...].
+        stiffness: Stiffness K_P (6), at least 0 [N/m, ..., N m/rad, ...].
+        period: Time between two calls of `advance` [s].
 
     Raises:
-        ShapeError: not six components.
+        ShapeError: a number of components other than six.
         InvalidValueError: an inertia or a period that is not positive, negative damping or stiffness, numbers
             whose motion is not finite.
 
@@ -71,48 +71,48 @@ class TargetModel:
         object.__setattr__(self, "_transition", transition)
 
     def acceleration(self, displacement: Displacement, force: ArrayLike) -> Array:
-        """z̈ (..., 6) under a force h (..., 6) [N, N, N, N m, N m, N m]."""
+        """The acceleration z̈ (..., 6) under a force h (..., 6) [N, N, N, N m, N m, N m]."""
         resistance = self.damping * displacement.rate + self.stiffness * displacement.value
         acceleration: Array = (as_vectors(force, "force", 6) - resistance) / self.inertia
         return acceleration
 
     def static_displacement(self, force: ArrayLike) -> Array:
-        """The displacement K_P⁻¹ h (..., 6) where the model has come to rest; 0 on axes without stiffness.
+        """The displacement K_P⁻¹ h (..., 6) at static equilibrium; 0 on axes without stiffness.
 
         Args:
-            force: h (..., 6) [N, N, N, N m, N m, N m].
+            force: Force h (..., 6) [N, N, N, N m, N m, N m].
         """
         h = as_vectors(force, "force", 6)
         displacement: Array = np.divide(h, self.stiffness, out=np.zeros(h.shape), where=self.stiffness > 0.0)
         return displacement
 
-    def advance(self, displacement: Displacement, begin: Array, end: Array) -> Displacement:
-        """One period on, the force running linearly from its value at the begin to that at the end.
+    def advance(self, displacement: Displacement, start_force: Array, end_force: Array) -> Displacement:
+        """Integrate over one period, in which the force varies linearly between its values at start and end.
 
         Args:
-            displacement: at the begin of the period.
-            begin: force then (..., 6) [N, N, N, N m, N m, N m].
-            end: force at the end of the period (..., 6); the same as `begin` for a force that is held.
+            displacement: Displacement at the start of the period.
+            start_force: Force at the start of the period (..., 6) [N, N, N, N m, N m, N m].
+            end_force: Force at the end of the period (..., 6); equal to `start_force` for a constant force.
         """
         motion = np.empty((*displacement.value.shape, 4))
-        for index, part in enumerate((*displacement, begin, end)):
+        for index, part in enumerate((*displacement, start_force, end_force)):
             motion[..., index] = part
         self.follow(motion)
         return Displacement(motion[..., 0], motion[..., 1])
 
     def follow(self, motion: Array) -> None:
-        """One period on, in place; `advance` without a copy.
+        """Integrate over one period in place; `advance` without a copy.
 
         Args:
-            motion: (..., 6, 4) displacement, its rate, the force at the begin of the period and at its end;
-                the first two become those at the end.
+            motion: Displacement, its rate, and the force at the start and at the end of the period
+                (..., 6, 4); the first two are replaced by those at the end.
         """
         motion[..., :2] = np.vecdot(vars(self)["_transition"], motion[..., None, :])
 
     def _discretise(self) -> Array:
-        """What (z, ż, force at the begin, force at the end) make of (z, ż): (6, 2, 4).
+        """The map (6, 2, 4) of (z, ż, force at the start, force at the end) to (z, ż) at the end of a period.
 
-        By the exponential of the system extended by a force f and its slope s: ḟ = s, ṡ = 0.
+        It follows from the exponential of the system extended by a force f and its slope s: ḟ = s, ṡ = 0.
         """
         extended = np.zeros((6, 4, 4))
         extended[:, 0, 1] = extended[:, 2, 3] = 1.0

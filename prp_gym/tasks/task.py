@@ -1,4 +1,4 @@
-"""`Task`: what is asked of N robots, composed of the parts that its declaration names."""
+"""`Task`: the task of N environments, composed of the parts that its declaration names."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
 
 @dataclass(frozen=True)
 class TaskNumbers:
-    """A task's numbers, as they stand in its data file.
+    """The numbers of a task, read from its data file.
 
     Attributes:
         reward: Terms of the reward.
@@ -41,7 +41,7 @@ class TaskNumbers:
 
     @classmethod
     def read(cls, path: Path) -> "TaskNumbers":
-        """The numbers of a TOML file: tables `reward`, `constants`, and one a kind of draws."""
+        """Read a TOML file: tables `reward` and `constants`, and one for each kind of draws."""
         table = _read_table(path)
         reward = tuple(RewardTerm.from_table(name, row) for name, row in table["reward"].items())
         ranges = {
@@ -59,12 +59,12 @@ def _read_table(path: Path) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class TaskSetup:
-    """What the parts of a task are made from.
+    """The inputs from which the parts of a task are made.
 
     Attributes:
         numbers: Numbers of the task's data file.
         scenario: Conditions of the episodes.
-        options: Keywords of the task's own.
+        options: The task's own keywords.
         period: Control period [s].
     """
 
@@ -81,13 +81,13 @@ class TaskSetup:
 
 @dataclass(frozen=True, eq=False)
 class TaskParts:
-    """What a task is composed of.
+    """The parts of which a task is composed.
 
     Attributes:
         world: The robot and its surroundings.
         starts: Sampler of starts.
         reference: Reference trajectories of all environments.
-        errors: Errors that the reward judges.
+        errors: Error function, from which the reward is computed.
     """
 
     world: World[Any]
@@ -97,12 +97,12 @@ class TaskParts:
 
 
 def observed_layout(world: World[Any], reference: Reference) -> ObservationLayout:
-    """The layout of an observation: what is measured of a world, then the reference."""
+    """The layout of an observation: the measured fields of a world, then the fields of the reference."""
     return ObservationLayout((*world.measured_fields, *reference.fields))
 
 
 class Task:
-    """The goal of N environments at once: it judges, and neither counts time nor moves the robot.
+    """The task of N environments: starts, references and errors; the loop counts time and moves the robots.
 
     Args:
         spec: Declaration of the task.
@@ -112,12 +112,12 @@ class Task:
         spec: Declaration of the task.
         numbers: Numbers of the task's data file.
         scenario: Conditions of the episodes.
-        options: Keywords of the task's own.
+        options: The task's own keywords.
         period: Control period [s].
         ranges: Ranges from which this scenario draws.
         parts: World, start sampler, reference and error function.
         layout: Layout of the observation.
-        ground_truth_layout: Layout of the ground truth: the observation's fields, then the judged ones.
+        ground_truth_layout: Layout of the ground truth: the observation's fields, then the unobserved ones.
     """
 
     def __init__(self, spec: TaskSpec, setup: TaskSetup) -> None:
@@ -126,11 +126,13 @@ class Task:
         self.options, self.period, self.ranges = setup.options, setup.period, setup.ranges
         self.parts = spec.entry.compose(setup)
         self.layout = observed_layout(self.parts.world, self.parts.reference)
-        self.ground_truth_layout = ObservationLayout((*self.layout.fields, *self.parts.errors.judged_fields))
+        self.ground_truth_layout = ObservationLayout(
+            (*self.layout.fields, *self.parts.errors.unobserved_fields)
+        )
 
     @property
     def environment_id(self) -> str:
-        """Under which Gymnasium knows the task."""
+        """The id of the task in Gymnasium."""
         return self.spec.id
 
     @property
@@ -140,17 +142,17 @@ class Task:
 
     @property
     def measured_fields(self) -> tuple[Field, ...]:
-        """What is observed of the robot, in the order of the physics' measurement."""
+        """The observed quantities of the robot, in the order in which the physics measures them."""
         return self.parts.world.measured_fields
 
     @property
     def reset_options(self) -> Mapping[str, ResetOption]:
-        """What `reset(options=...)` takes, by name."""
+        """Values that `reset(options=...)` takes, by name."""
         return self.parts.starts.reset_options
 
     @property
     def target_impedance(self) -> Mapping[str, Array]:
-        """The impedance that the robot is to show: axes (6) of `inertia`, `damping`, `stiffness`, or none."""
+        """The impedance to be rendered: axes (6) of `inertia`, `damping`, `stiffness`; empty without one."""
         return self.parts.errors.target_impedance
 
     def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> "Simulation":
@@ -172,7 +174,7 @@ class Task:
         self.parts.world.configure(physics, ids, starts, plants)
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
-        """Take up new episodes in some environments (n), the rest untouched.
+        """Begin new episodes in some environments (n); the others are left as they are.
 
         The first call covers every environment.
         """

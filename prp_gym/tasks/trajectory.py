@@ -1,4 +1,4 @@
-"""Reference trajectories: position, velocity and acceleration at any time, for N at once.
+"""Reference trajectories: position, velocity and acceleration at any time, for N environments.
 
 A position has d components: the joints [rad, m, rad], one joint, or a pose [m, m, m, rad, rad, rad].
 """
@@ -19,7 +19,7 @@ from prp_gym.robot.arrays import Array
 class Trajectory(ABC):
     """N trajectories of one kind; every attribute is an array with N rows.
 
-    Trajectories that change over their episodes' life are replaced row by row with `assign`.
+    The trajectory of a new episode replaces that of the last one with `assign`.
     """
 
     @abstractmethod
@@ -27,10 +27,10 @@ class Trajectory(ABC):
         """The trajectories at given times.
 
         Args:
-            time: (..., N) [s] since the start of each episode.
+            time: Time since the start of each episode (..., N) [s].
 
         Returns:
-            (..., N, 3d): position (d), velocity (d) per second and acceleration (d) per second squared.
+            Position (d), velocity (d) per second and acceleration (d) per second squared (..., N, 3d).
         """
 
     @property
@@ -41,11 +41,11 @@ class Trajectory(ABC):
     @property
     @abstractmethod
     def goal(self) -> Array:
-        """(N, d) where the trajectory ends or about which it moves."""
+        """The position where the trajectory ends or about which it moves (N, d)."""
 
     @classmethod
     def concatenate(cls, rows: Sequence[Self]) -> Self:
-        """One object from several, in order."""
+        """Join several trajectories of one kind, in order."""
         names = [field.name for field in fields(cls)]
         return cls(**{name: np.concatenate([getattr(row, name) for row in rows]) for name in names})
 
@@ -61,10 +61,10 @@ class Trajectory(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Constant(Trajectory):
-    """A position held for ever.
+    """A constant position.
 
     Attributes:
-        position: (N, d).
+        position: Position (N, d).
     """
 
     position: Array
@@ -78,7 +78,7 @@ class Constant(Trajectory):
 
     @property
     def is_constant(self) -> bool:
-        """Always."""
+        """See `Trajectory.is_constant`: always true."""
         return True
 
     @property
@@ -92,10 +92,10 @@ class Sine(Trajectory):
     """center + amplitude sin(angular_frequency t + phase), per component.
 
     Attributes:
-        center: (N, d).
-        amplitude: (N, d).
-        angular_frequency: (N, d) [rad/s].
-        phase: (N, d) [rad].
+        center: Mean position (N, d).
+        amplitude: Amplitude of each component (N, d).
+        angular_frequency: Angular frequency of each component (N, d) [rad/s].
+        phase: Phase at t = 0 of each component (N, d) [rad].
     """
 
     center: Array
@@ -125,12 +125,12 @@ class Sine(Trajectory):
 class SquareAcceleration(Trajectory):
     """Acceleration of constant magnitude whose sign is that of cos(angular_frequency t); at rest at t = 0.
 
-    Velocity is a triangle wave about zero, so that the position comes back to the start every period.
+    Velocity is a triangle wave about zero, so that the position returns to the start in every period.
 
     Attributes:
-        start: (N, d).
-        magnitude: (N, d) per second squared.
-        angular_frequency: (N, d) [rad/s].
+        start: Initial position (N, d).
+        magnitude: Magnitude of the acceleration (N, d) per second squared.
+        angular_frequency: Angular frequency of each component (N, d) [rad/s].
     """
 
     start: Array
@@ -170,11 +170,11 @@ class QuinticWaypoints(Trajectory):
     The first waypoint is held before its time, the last one after its time.
 
     Attributes:
-        times: (N, K), strictly increasing [s].
-        positions: (N, K, d).
+        times: Times of the waypoints (N, K), strictly increasing [s].
+        positions: Positions of the waypoints (N, K, d).
 
     Raises:
-        InvalidValueError: fewer than two waypoints, times that do not increase.
+        InvalidValueError: fewer than two waypoints, or times that do not increase.
 
     Source: [S] 4.2.2; boundary conditions of [R] 7.1.
     """

@@ -1,22 +1,24 @@
 """The laws' gains as data: every set has its source, every number belongs to a law and an environment."""
 
 import tomllib
-from dataclasses import fields
+from dataclasses import fields, replace
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from prp_gym import list_envs
-from prp_gym.baselines import BASELINES
-from prp_gym.baselines import gains as gains_module
-from prp_gym.baselines.base.gains import gain_sets, load_gains
+from prp_gym.baselines import BASELINES, ControllerData, gain_sets, load_gains
 from prp_gym.errors import UnknownNameError
 
-TABLE: dict[str, dict[str, dict[str, Any]]] = tomllib.loads(
-    files("prp_gym.baselines").joinpath("gains.toml").read_text(encoding="utf-8")
-)
+FILES = {
+    Path(str(file)).stem: file for file in files("prp_gym.baselines").iterdir() if file.name.endswith("toml")
+}
+TABLE: dict[str, dict[str, dict[str, Any]]] = {
+    name: tomllib.loads(file.read_text(encoding="utf-8"))["gains"] for name, file in FILES.items()
+}
 SETS = [(controller, name) for controller, sets in TABLE.items() for name in sets]
 PRINTED: dict[tuple[str, str], dict[str, Any]] = {
     ("joint_pd", "report"): {"proportional_gain": 50.0, "derivative_gain": 10.0},
@@ -58,7 +60,7 @@ def own_values(controller: str, name: str) -> dict[str, dict[str, Any]]:
     return {key: value for key, value in TABLE[controller][name].items() if isinstance(value, dict)}
 
 
-def test_file_covers_exactly_the_laws_that_exist() -> None:
+def test_every_controller_has_a_file_of_its_name_and_every_file_a_controller() -> None:
     assert set(TABLE) == set(BASELINES)
 
 
@@ -102,16 +104,16 @@ def test_sub_tables_belong_to_registered_environments(controller: str, name: str
     assert set(own_values(controller, name)) <= set(list_envs())
 
 
-@pytest.mark.parametrize("environment_id", list_envs())
 @pytest.mark.parametrize(("controller", "name"), SETS)
-def test_set_makes_settings_with_its_numbers(controller: str, name: str, environment_id: str) -> None:
-    values = load_gains(controller, name, environment_id)
-    del values["source"]
-    values.pop("minimum_frequency", None)
-    settings = BASELINES[controller].settings_class.from_mapping(controller, values)
-    assert values
-    for key, value in values.items():
-        assert np.array_equal(getattr(settings, key), value)
+def test_set_makes_settings_with_its_numbers(controller: str, name: str) -> None:
+    for environment_id in list_envs():
+        values = load_gains(controller, name, environment_id)
+        del values["source"]
+        values.pop("minimum_frequency", None)
+        settings = BASELINES[controller].settings_class.from_mapping(controller, values)
+        assert values
+        for key, value in values.items():
+            assert np.array_equal(getattr(settings, key), value), environment_id
 
 
 @pytest.mark.parametrize(("controller", "name"), PRINTED)
@@ -129,32 +131,37 @@ def test_adaptive_gains_of_the_report_are_those_of_the_link() -> None:
     assert gains["adaptation_gain"] == [1 / 5000, 1 / 100, 1 / 25]
 
 
-def test_an_environment_s_own_values_replace_the_set_s(monkeypatch: pytest.MonkeyPatch) -> None:
-    own = {"stiffness": 3.0, "source": "its own"}
-    table = {"controller": {"tuned": {"stiffness": 1.0, "damping": 2.0, "source": "common", "PRP-A-v0": own}}}
-    monkeypatch.setattr(gains_module, "_table", lambda: table)
-    assert load_gains("controller", "tuned", "PRP-A-v0") == {
-        "stiffness": 3.0,
-        "damping": 2.0,
-        "source": "its own",
-    }
-    assert load_gains("controller", "tuned", "PRP-B-v0") == {
-        "stiffness": 1.0,
-        "damping": 2.0,
-        "source": "common",
-    }
+def test_an_environment_s_own_values_replace_the_set_s(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        """
+        [gains.tuned]
+        stiffness = 1.0
+        damping = 2.0
+        source = "common"
+        [gains.tuned."PRP-A-v0"]
+        stiffness = 3.0
+        source = "its own"
+        """,
+        encoding="utf-8",
+    )
+    spec = replace(BASELINES["compliance"], data=ControllerData(file))
+    own, common = (load_gains(spec, "tuned", environment_id) for environment_id in ("PRP-A-v0", "PRP-B-v0"))
+    assert own == {"stiffness": 3.0, "damping": 2.0, "source": "its own"}
+    assert common == {"stiffness": 1.0, "damping": 2.0, "source": "common"}
 
 
 @pytest.mark.parametrize("controller", BASELINES)
 def test_unknown_set_gets_the_nearest_name_and_all_valid_ones(controller: str) -> None:
     with pytest.raises(UnknownNameError, match=r"'tunde'\. Did you mean 'tuned'\?") as caught:
         load_gains(controller, "tunde", list_envs()[0])
-    assert caught.value.kind == f"gain set of law {controller!r}"
+    assert caught.value.kind == f"gain set of controller {controller!r}"
     assert caught.value.valid == tuple(sorted(TABLE[controller]))
 
 
-def test_unknown_law_has_no_sets() -> None:
-    assert gain_sets("no_law") == ()
-    with pytest.raises(UnknownNameError, match=r"Valid: none\.") as caught:
-        load_gains("no_law", "report", list_envs()[0])
-    assert caught.value.valid == ()
+def test_unknown_controller_has_no_sets() -> None:
+    with pytest.raises(UnknownNameError, match="unknown baseline 'no_controller'") as caught:
+        load_gains("no_controller", "report", list_envs()[0])
+    assert caught.value.valid == tuple(sorted(BASELINES))
+    with pytest.raises(UnknownNameError, match="unknown baseline 'no_controller'"):
+        gain_sets("no_controller")

@@ -39,7 +39,7 @@ def make(name: str, gains: str = "tuned") -> Baseline[Any]:
     values = load_gains(name, gains, "PRP-PoseRegulation-v0")
     settings = {k: v for k, v in values.items() if k not in ("source", "minimum_frequency")}
     controller = BASELINES[name]
-    return controller(POSE_INTERFACE, controller.settings_class.from_mapping(name, settings))
+    return controller.policy(POSE_INTERFACE, controller.settings_class.from_mapping(name, settings))
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -100,7 +100,7 @@ def test_tuned_gains_make_any_move_without_chatter(name: str) -> None:
 def test_link_has_no_pose_to_control(name: str) -> None:
     controller = BASELINES[name]
     with pytest.raises(MissingFieldError, match="end_effector_pose"):
-        controller(LINK_INTERFACE, make(name).settings)
+        controller.policy(LINK_INTERFACE, make(name).settings)
 
 
 def test_model_that_has_no_pose_is_refused() -> None:

@@ -107,7 +107,7 @@ def test_model_that_is_no_robot_is_refused(model: Any) -> None:
 def test_unknown_name_gets_the_nearest_one() -> None:
     with pytest.raises(UnknownNameError, match=r"Did you mean 'gain'\?") as caught:
         Numbers.from_mapping("hold", {"gian": 1.0})
-    assert caught.value.kind == "setting of law 'hold'"
+    assert caught.value.kind == "setting of controller 'hold'"
     assert set(caught.value.valid) == {"model", "gain", "pose_gain", "share", "mode"}
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import gymnasium
 import pytest
-from prp_gym.action_modes.catalogue import MODES
 from typer.testing import CliRunner
 
 from prp_gym import list_envs
+from prp_gym.action_modes import ACTION_MODES
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
@@ -48,9 +48,11 @@ def test_list_of_modes_names_them_all_with_their_laws() -> None:
     result = RUNNER.invoke(app, ["list", "--modes"])
     assert result.exit_code == 0
     rows = [line.split() for line in plain(result.output).splitlines() if line.strip()]
-    found = {row[0]: row[1] for row in rows if row[0] in MODES and row[1] in BASELINES}  # not folded lines
-    assert found == {name: entry.controller for name, entry in MODES.items()}
-    assert "residual:LAW" in result.output
+    found = {
+        row[0]: row[1] for row in rows if row[0] in ACTION_MODES and row[1] in BASELINES
+    }  # not folded lines
+    assert found == {n: spec.entry.controller for n, spec in ACTION_MODES.items() if not spec.is_family}
+    assert "residual:<controller>" in result.output
 
 
 WRONG_NAMES = [

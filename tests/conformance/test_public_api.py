@@ -24,7 +24,9 @@ HEAVY = ("rich", "typer", "torch", "stable_baselines3", "matplotlib", "mujoco", 
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "MUJOCO_GL")
 NAMES = (
     *("PRPArm", "PRPError", "RobotParameters", "evaluate", "list_baselines", "list_envs", "make_baseline"),
-    *("make_sb3_vec_env", "list_agents", "load_agent"),
+    *("make_sb3_vec_env", "list_agents", "load_agent", "controller", "register_controller", "ControllerSpec"),
+    *("register_action_mode", "ActionModeSpec"),
+    *("register_algorithm", "register_metric", "register_task"),
 )
 
 
@@ -60,7 +62,7 @@ def test_unknown_attribute_is_refused_by_name() -> None:
 def test_names_imported_on_use_are_those_of_their_modules() -> None:
     from prp_gym.agents.policy.agent_file import list_agents, load_agent
     from prp_gym.agents.sb3.make_vec_env import make_sb3_vec_env
-    from prp_gym.baselines.base.make import list_baselines, make_baseline
+    from prp_gym.baselines import list_baselines, make_baseline
     from prp_gym.evaluation.evaluate import evaluate
 
     assert prp_gym.evaluate is evaluate

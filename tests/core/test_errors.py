@@ -11,6 +11,7 @@ from prp_gym.errors import (
     AgentFileError,
     CheckpointError,
     EpisodeError,
+    GainsFileError,
     InvalidValueError,
     JointLimitError,
     MissingFieldError,
@@ -39,6 +40,7 @@ WITH_FACTS = [
     RunFolderError("runs/seed_0", "it holds an unfinished run"),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
+    GainsFileError("my.toml", "No such file or directory"),
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
 ]
@@ -85,7 +87,7 @@ def test_message_tells_every_fact(error: PRPError) -> None:
 def test_unknown_name_suggests_the_nearest_and_lists_all_in_order() -> None:
     error = UnknownNameError("controller", "impedence", iter(LAWS))
     assert str(error) == (
-        "unknown law 'impedence'. Did you mean 'impedance'?"
+        "unknown controller 'impedence'. Did you mean 'impedance'?"
         " Valid: admittance, impedance, joint_inverse_dynamics, joint_pd."
     )
     assert (error.kind, error.name, error.valid) == ("controller", "impedence", tuple(sorted(LAWS)))
@@ -143,7 +145,7 @@ def test_unreachable_point_shows_point_residual_and_reasons() -> None:
 def test_missing_field_shows_law_missing_and_given_fields() -> None:
     error = MissingFieldError("impedance", ["contact_force"], ["joint_position"])
     assert str(error) == (
-        "law 'impedance' reads observation fields that this environment does not give: contact_force."
+        "controller 'impedance' reads observation fields that this environment does not give: contact_force."
         " Fields given: joint_position."
     )
 

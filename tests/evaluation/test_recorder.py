@@ -11,8 +11,8 @@ from gymnasium.wrappers import RescaleAction
 from prp_gym.envs import PRPEnv
 from prp_gym.evaluation.batch import record_episodes
 from prp_gym.evaluation.episode import record_episode
-from tests.support.made_up_mode import NEVER, WILD, violent_in
 from tests.support.mode_episodes import made
+from tests.support.synthetic_mode import NEVER, WILD, violent_in
 from tests.support.vector_episodes import assert_same, single
 
 RATE, PERIODS = 50, 10
@@ -76,6 +76,7 @@ def test_every_period_of_the_torques_is_recorded() -> None:
         assert len(rollout.compute_time) >= 1
 
 
+@pytest.mark.usefixtures("late_mode")
 @pytest.mark.parametrize("delay", [0, 1])
 def test_episode_that_diverges_within_a_period_is_recorded_up_to_there(delay: int) -> None:
     scenario = ("randomized", "realistic")[delay]

@@ -24,7 +24,8 @@ def controller(
     values = load_gains(name, gains, "PRP-Force-v0")
     numbers = {key: values[key] for key in values if key not in ("source", "minimum_frequency")}
     made = BASELINES[name]
-    return made(interface(period, limit), made.settings_class.from_mapping(name, {**numbers, **overrides}))
+    settings = made.settings_class.from_mapping(name, {**numbers, **overrides})
+    return made.policy(interface(period, limit), settings)
 
 
 @dataclass(frozen=True, eq=False)

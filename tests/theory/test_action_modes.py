@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from prp_gym.action_modes import catalogue
+from prp_gym.action_modes import SMOOTHING_TIME, ModeSetup, commanded, make_action_mode
 from prp_gym.baselines.base.gains import load_gains
 from prp_gym.envs import PRPEnv
 from prp_gym.robot import PRPArm
@@ -135,7 +135,7 @@ def overshoot(env: PRPEnv, action: Array) -> float:
 @pytest.fixture
 def prompt(monkeypatch: pytest.MonkeyPatch) -> None:
     """Laws that follow an action at once, so that it is a step."""
-    monkeypatch.setattr(catalogue, "SMOOTHING_TIME", 1e-9)
+    monkeypatch.setattr(commanded, "SMOOTHING_TIME", 1e-9)
 
 
 @pytest.mark.usefixtures("prompt")
@@ -216,10 +216,10 @@ def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
 def test_what_a_law_reads_follows_the_action_with_its_time_constant() -> None:
     env = made("PRP-JointRegulation-v0", "joint_position")
     observation, _ = env.reset(seed=0)
-    mode = catalogue.make_action_mode("joint_position", env.task, env.torque_limit, 0.002)
+    mode = make_action_mode("joint_position", ModeSetup(env.task, env.torque_limit, 0.002))
     action, starts, memory = np.array([[1.0, -0.5, 0.25]]), np.array([True]), None
     for period in range(1, 101):
         _, memory = mode.torque(action, observation[None], memory, starts)
         starts = np.array([False])
-        reached = 1.0 - np.exp(-0.002 * period / catalogue.SMOOTHING_TIME)
+        reached = 1.0 - np.exp(-0.002 * period / SMOOTHING_TIME)
         np.testing.assert_allclose(memory[0], reached * action, rtol=1e-12)

@@ -11,8 +11,8 @@ import pytest
 
 from prp_gym.envs import PRPEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
-from tests.support.made_up_mode import NEVER, WILD, violent_in
 from tests.support.mode_episodes import KINDS, made, random_actions
+from tests.support.synthetic_mode import NEVER, WILD, violent_in
 from tests.support.vector_episodes import MODES, assert_same, one_by_one, single, together
 
 RATE, PERIODS = 50, 10
@@ -164,6 +164,7 @@ def test_action_of_another_shape_is_refused() -> None:
         env.loop.step(np.zeros((1, 3)))
 
 
+@pytest.mark.usefixtures("late_mode")
 @pytest.mark.parametrize("scenario", ["randomized", "realistic"])
 def test_divergence_within_a_period_ends_the_step_there(scenario: str) -> None:
     env, fine = (
@@ -187,6 +188,7 @@ def test_divergence_within_a_period_ends_the_step_there(scenario: str) -> None:
         env.step(action)
 
 
+@pytest.mark.usefixtures("late_mode")
 @pytest.mark.parametrize("scenario", ["randomized", "realistic"])
 @pytest.mark.parametrize("mode", MODES)
 def test_many_of_which_some_diverge_within_a_period_are_those_of_single_ones(
@@ -229,6 +231,7 @@ def reset_one_after_the_other(ended: Any, ours: Any, theirs: Any) -> None:
         assert_same(again, expected, f"reset of {index}")
 
 
+@pytest.mark.usefixtures("late_mode")
 def test_state_saved_after_a_divergence_shows_the_same_observation() -> None:
     keywords = {**WILD, "scenario": "realistic", "control_frequency": RATE}
     env = together("PRP-ForcePosition-v0", "Disabled", 2, **keywords)

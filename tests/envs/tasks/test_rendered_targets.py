@@ -11,10 +11,9 @@ from gymnasium.wrappers import TimeLimit
 import prp_gym
 from prp_gym.baselines import BASELINES, ControlInterface, list_baselines, make_baseline
 from prp_gym.baselines.base.gains import gain_sets, load_gains
-from prp_gym.baselines.base.make import TASK_RENDERING
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
-from tests.support.controller_episodes import PAIRS, make
+from tests.support.controller_episodes import COMBINATIONS, make
 
 COMPLIANCE, IMPEDANCE, ADMITTANCE = "PRP-Compliance-v0", "PRP-Impedance-v0", "PRP-Admittance-v0"
 RENDERING = (COMPLIANCE, IMPEDANCE, ADMITTANCE)
@@ -31,7 +30,7 @@ TAKEN = {
 RATE = {"tuned": 500, "tuned_50hz": 50}
 ASKING = [
     (controller, environment_id)
-    for environment_id, controller in PAIRS
+    for environment_id, controller in COMBINATIONS
     if controller in TAKEN and environment_id in RENDERING
 ]
 
@@ -71,17 +70,17 @@ def test_target_keywords_are_what_the_task_asks_for(environment_id: str) -> None
 
 
 def test_laws_that_render_say_what() -> None:
-    assert {
-        name: controller.rendered for name, controller in BASELINES.items() if controller.rendered
-    } == TAKEN
-    for name, controller in BASELINES.items():
-        assert set(controller.rendered) <= set(controller.settings_class.vectors)
-        assert set(TASK_RENDERING.get(name, ())) <= set(gain_sets(name))
-    assert set(TASK_RENDERING) == set(TAKEN)
+    assert {name: spec.policy.rendered for name, spec in BASELINES.items() if spec.policy.rendered} == TAKEN
+    for spec in BASELINES.values():
+        assert set(spec.policy.rendered) <= set(spec.settings_class.vectors)
+        assert set(spec.data.target_impedance_sets) <= set(spec.gain_sets)
+    assert {name for name, spec in BASELINES.items() if spec.data.target_impedance_sets} == set(TAKEN)
 
 
 RENDERED = [
-    (controller, place, gains) for controller, place in ASKING for gains in TASK_RENDERING[controller]
+    (controller, place, gains)
+    for controller, place in ASKING
+    for gains in BASELINES[controller].data.target_impedance_sets
 ]
 
 
@@ -98,7 +97,7 @@ def test_tuned_law_renders_what_the_task_asks_for(controller: str, environment_i
 
 @pytest.mark.parametrize(("controller", "environment_id"), ASKING)
 def test_other_gain_sets_keep_their_own_numbers(controller: str, environment_id: str) -> None:
-    others = set(gain_sets(controller)) - set(TASK_RENDERING[controller])
+    others = set(gain_sets(controller)) - set(BASELINES[controller].data.target_impedance_sets)
     assert "report" in others
     for gains in others:
         settings, numbers = (
@@ -174,15 +173,15 @@ SLOWER = {1000.0: 500, 500.0: 250, 100.0: 50, 50.0: 25}
 
 def home_of(controller: str) -> str:
     """An environment on which a law can run."""
-    return next(environment_id for environment_id, other in PAIRS if other == controller)
+    return next(environment_id for environment_id, other in COMBINATIONS if other == controller)
 
 
 @pytest.mark.parametrize(("controller", "gains", "least"), LEAST)
 def test_set_is_refused_below_its_rate_and_taken_at_it(controller: str, gains: str, least: float) -> None:
     with closing(make(home_of(controller), control_frequency=least)) as env:
-        assert make_baseline(controller, env, gains).name == controller
+        assert type(make_baseline(controller, env, gains)) is BASELINES[controller].policy
     with closing(make(home_of(controller), control_frequency=SLOWER[least])) as env:
-        allowed = f"at least {least:g} with gains '{gains}' of law '{controller}'"
+        allowed = f"at least {least:g} with gains '{gains}' of controller '{controller}'"
         with pytest.raises(InvalidValueError, match=rf"control_frequency is .* Hz|{allowed}") as caught:
             make_baseline(controller, env, gains)
         assert allowed in caught.value.allowed

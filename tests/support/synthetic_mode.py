@@ -1,16 +1,17 @@
 """A mode of actions that shows what a loop asks of one, and diverges in the period that an action names."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.action_mode import ActionField
+from prp_gym.envs.action_mode import ActionField, ActionMode, ActionModeSpec, ModeSetup
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.fields import ObservationLayout
 
-MAKER = "tests.support.made_up_mode:make"
-WILD: dict[str, Any] = {"action_mode": "late", "action_modes": MAKER, "torque_limit": None}
+WILD: dict[str, Any] = {"action_mode": "late", "torque_limit": None}
 GENTLE = 1e-6  # of the limit that stands for none: 1 N m
 NEVER = 0.0
 
@@ -39,11 +40,26 @@ class LateMode:
         return np.tile(torque[:, None], self.joints), np.stack([count, observation[:, 0]], axis=1)
 
 
-def make(name: str, task: Any, torque_limit: Array, period: float) -> LateMode:
-    """See `prp_gym.envs.action_mode.ModeMaker`."""
-    assert name == "late"
-    assert period == 0.002
-    return LateMode(len(torque_limit))
+class LateEntry:
+    """Makes the mode for any environment; it runs no controller."""
+
+    controller = ""
+
+    def endings(self, layout: ObservationLayout | None) -> tuple[str, ...]:
+        """See `prp_gym.envs.action_mode.ModeEntry`."""
+        return ("",)
+
+    def fields(self, torque_limit: Sequence[float], nominal: Sequence[float]) -> tuple[ActionField, ...]:
+        """See `prp_gym.envs.action_mode.ModeEntry`."""
+        return LateMode.fields
+
+    def make(self, ending: str, setup: ModeSetup) -> ActionMode:
+        """See `prp_gym.envs.action_mode.ModeEntry`."""
+        assert (ending, setup.period) == ("", 0.002)
+        return LateMode(len(setup.torque_limit))
+
+
+LATE = ActionModeSpec("late", "torques that may become violent", LateEntry())
 
 
 def violent_in(period: float) -> float:

@@ -1,4 +1,4 @@
-"""What a step of N environments is worth, and the numbers that it returns in `info`."""
+"""Reward, costs and `info` of a step of N environments."""
 
 from typing import Any
 
@@ -13,21 +13,21 @@ from prp_gym.tasks.task import Task
 
 
 def count(flags: NDArray[Any]) -> NDArray[np.intp]:
-    """How many values in each row (N, joints) are not zero."""
+    """The number of nonzero values in each row (N, joints)."""
     counts: NDArray[np.intp] = np.count_nonzero(flags, axis=1)
     return counts
 
 
-class Judge:
-    """The reward and the costs of N environments.
+class StepScoring:
+    """Computes the reward, the costs and the `info` of N environments.
 
     Args:
-        task: whose reward and fields these are.
-        physics: the simulated world.
-        frequency: of control [Hz].
+        task: Task that declares the reward terms and the fields.
+        physics: Simulation of the N environments.
+        frequency: Control frequency [Hz].
 
     Attributes:
-        info_fields: the columns of `info`.
+        info_fields: Columns of `info`.
     """
 
     def __init__(self, task: Task, physics: Simulation, frequency: float) -> None:
@@ -38,8 +38,8 @@ class Judge:
             InfoField(f"reward_{term.name}", "s", f"reward from {term.name}", summed=True)
             for term in self._reward.terms
         ]
-        self._touches = "contact_force" in task.layout.names
-        self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._touches else ()))
+        self._has_contact = "contact_force" in task.layout.names
+        self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._has_contact else ()))
         bound = float(task.numbers.constants.get("force_bound", np.inf))
         self._force_bound = np.full(num_envs, bound)
         self._frequency = np.full(num_envs, frequency)
@@ -52,16 +52,16 @@ class Judge:
     def __call__(
         self, errors: Array, saturated: NDArray[np.bool_] | None, elapsed: Array, within_limits: bool
     ) -> tuple[Array, Array]:
-        """Judge a step.
+        """Score a step.
 
         Args:
-            errors: of the task (N, terms, width), in the terms' units.
-            saturated: (N, joints) which actions are at or beyond the actuator limits; None for none.
-            elapsed: (N) periods since each episode began.
-            within_limits: whether no joint is beyond its stop.
+            errors: Errors of the task (N, terms, width), in the units of the reward terms.
+            saturated: Which actions are at or beyond the actuator limits (N, joints); None if none is.
+            elapsed: Control periods since the start of each episode (N).
+            within_limits: Whether no joint is beyond its stop.
 
         Returns:
-            reward (N) [s] and `info` (N, fields).
+            Reward (N) [s] and `info` (N, fields).
         """
         info = np.zeros(self._shape)
         contributions = self._reward(errors)
@@ -71,17 +71,17 @@ class Judge:
             info[self._column["cost_saturation"]] = count(saturated)
         if not within_limits:
             info[self._column["cost_joint_stop"]] = count(self._physics.stop_violation)
-        if self._touches:
-            self._judge_contact(info)
+        if self._has_contact:
+            self._add_contact(info)
         return np.vecdot(contributions, self._ones), info
 
-    def _judge_contact(self, info: Array) -> None:
+    def _add_contact(self, info: Array) -> None:
         force = self._physics.contact_force
         magnitude = np.sqrt(np.vecdot(force, force))
         info[self._column["contact_force"]] = magnitude
         info[self._column["cost_force_bound"]] = magnitude > self._force_bound
 
     def zero_reward(self, reward: Array, info: Array, rows: NDArray[np.bool_]) -> None:
-        """Take back, in place, what some environments (N) were given."""
+        """Set the reward of some environments (a mask of N) and its terms in `info` to zero, in place."""
         reward[rows] = 0.0
         info[rows, : self._ones.shape[1]] = 0.0
