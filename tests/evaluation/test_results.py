@@ -18,17 +18,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prp_gym import list_envs
+from prp_gym.artifacts import to_array, to_plain, write_json
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.errors import OutputError
 from prp_gym.evaluation import METRICS, evaluate
-from prp_gym.evaluation.results import (
-    SCHEMA,
-    describe_evaluation,
-    describe_run,
-    to_array,
-    to_plain,
-    write_json,
-)
+from prp_gym.evaluation.results import SCHEMA, describe_evaluation, describe_run
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
 NUMBERS = st.floats() | st.integers() | st.booleans() | st.none() | st.text(max_size=5)

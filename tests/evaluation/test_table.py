@@ -11,10 +11,11 @@ import pytest
 from rich.console import Console
 
 from prp_gym import list_envs
+from prp_gym.artifacts import to_plain
 from prp_gym.baselines import BASELINES, list_baselines, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation import METRICS, Evaluation, Metric, Rollout, evaluate
-from prp_gym.evaluation.results import describe_evaluation, to_plain
+from prp_gym.evaluation.results import describe_evaluation
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
 from tests.support.synthetic_episodes import Array, make_rollout
