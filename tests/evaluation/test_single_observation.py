@@ -38,7 +38,8 @@ class Single:
         assert observation.ndim == 1
         self.steps = 1 if episode_start[0] else self.steps + 1
         self.longest = max(self.longest, self.steps)
-        return self.policy.predict(observation, state, episode_start, deterministic)
+        action, after = self.policy.predict(observation, state, episode_start, deterministic)
+        return action, after
 
 
 def test_policy_for_one_observation_scores_as_the_same_one_for_several(env: Any) -> None:

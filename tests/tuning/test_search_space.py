@@ -14,7 +14,7 @@ import prp_gym
 from prp_gym import list_envs
 from prp_gym.baselines import BASELINES, ControllerData, load_gains, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.tuning import SearchSpace, TuningTask, search_space, start_gains
+from prp_gym.tuning import SearchSpace, TuningTask, make_candidates, start_gains
 from tests.support.controller_episodes import COMBINATIONS, COVERING, environment
 
 ROUNDING = 1e-12  # relative: a few products and powers in double precision
@@ -137,9 +137,11 @@ def test_what_a_task_asks_for_is_the_centre_of_what_is_rendered() -> None:
 @pytest.mark.parametrize(("rate", "gains"), [(500.0, "tuned"), (1000.0, "tuned"), (50.0, "tuned_50hz")])
 def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> None:
     task = TuningTask("PRP-JointTracking-v0", "joint_pd", "randomized", rate, 10_000)
-    assert start_gains(task.controller, task.environment_id, rate) == gains
+    assert start_gains(BASELINES["joint_pd"], task.environment_id, rate) == gains
     with closing(gymnasium.make(task.environment_id, control_frequency=rate)) as env:
-        centre = search_space(task, env).centre
+        space = make_candidates(task, env).space
+        assert isinstance(space, SearchSpace)
+        centre = space.centre
         expected = load_gains("joint_pd", gains, task.environment_id)["proportional_gain"]
         np.testing.assert_array_equal(vars(centre)["proportional_gain"], expected)
 
@@ -147,7 +149,7 @@ def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> Non
 def test_law_that_does_not_exist_is_refused() -> None:
     task = TuningTask("PRP-JointTracking-v0", "joint_pid", "randomized", 500.0, 10_000)
     with pytest.raises(UnknownNameError, match=r"unknown baseline 'joint_pid'\. Did you mean 'joint_pd'"):
-        search_space(task, environment(task.environment_id))
+        make_candidates(task, environment(task.environment_id))
 
 
 @pytest.mark.parametrize("gain", [2.0, (1.0, 2.0, 3.0)])

@@ -85,8 +85,8 @@ def test_keywords_reach_the_environments() -> None:
 
 def test_module_of_an_id_is_imported_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code = (
-        "import gymnasium\nfrom prp_gym.envs import ForceVectorEnv as Many\n"
-        "gymnasium.register('Own-v0', vector_entry_point=Many)"
+        "import gymnasium\nfrom prp_gym.envs.vector import PRPVectorEnv\n"
+        "gymnasium.register('Own-v0', vector_entry_point=PRPVectorEnv, kwargs={'task': 'PRP-Force-v0'})"
     )
     (tmp_path / "module_with_an_id.py").write_text(code, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)
