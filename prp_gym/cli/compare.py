@@ -107,8 +107,8 @@ def _draw(outcome: Outcome, folder: Path) -> None:
 def _show(outcome: Outcome, run: Run) -> None:
     """Print the tables, and what to know of them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for place in outcome.conditions:
-        console.print(condition_table(place, outcome.seed))
+    for condition in outcome.conditions:
+        console.print(condition_table(condition, outcome.seed))
     notes = [
         "score: interquartile mean over episodes, and training seeds, of return/duration, 1 is perfect; its "
         "95 % interval is over both. Other figures are medians."

@@ -41,7 +41,7 @@ def ship_command(
     episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.")] = 100,
     seed: FirstSeed = 0,
     jobs: Annotated[
-        int, typer.Option(help="Agents at once; 1: in this process, 0: as many as there are cores.")
+        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
     ] = 0,
     backend: Backend = "loky",
     allow_missing: Annotated[
@@ -204,7 +204,7 @@ def _leftovers(output: Path, wanted: Sequence[Candidate]) -> list[str]:
 
 
 def _tell(what: str, names: Sequence[str]) -> None:
-    """Name on standard error what whoever ships should look at."""
+    """Name on standard error what should be looked at before the agents are shipped."""
     if names:
         console = make_console(stderr=True)
         for line in (f"{what}:", *(f"  {name}" for name in names)):

@@ -68,7 +68,7 @@ def train_command(
         bool | None, typer.Option(help="Write TensorBoard's files. Default: unless --shipped.")
     ] = None,
     jobs: Annotated[
-        int, typer.Option(help="Seeds at once; 1: in this process, 0: as many as there are cores.")
+        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
     ] = 0,
     backend: Backend = "loky",
     plugin: Plugins = None,

@@ -122,7 +122,7 @@ def _shipped(environment_ids: Sequence[str]) -> Iterable[tuple[str, list[Path]]]
 
 
 def _given(path: Path) -> tuple[str, list[Path]]:
-    """Name and agents of a path that was asked for.
+    """Name and agents of a path that the user gave.
 
     Raises:
         InvalidValueError: there are none.
