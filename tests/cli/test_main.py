@@ -44,7 +44,7 @@ def refusal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
     return " ".join(error.split())
 
 
-def test_list_of_modes_names_them_all_with_their_laws() -> None:
+def test_list_of_modes_names_them_all_with_their_inner_controllers() -> None:
     result = RUNNER.invoke(app, ["list", "--modes"])
     assert result.exit_code == 0
     rows = [line.split() for line in plain(result.output).splitlines() if line.strip()]
@@ -122,7 +122,7 @@ def test_command_line_that_cannot_be_read_is_refused(
     assert fault in error.split("Error")[1]
 
 
-def test_list_shows_every_environment_law_scenario_and_gain_set() -> None:
+def test_list_shows_every_environment_controller_scenario_and_gain_set() -> None:
     result = RUNNER.invoke(app, ["list"])
     assert result.exit_code == 0
     assert "…" not in result.stdout
@@ -142,7 +142,7 @@ def test_list_shows_every_environment_law_scenario_and_gain_set() -> None:
         assert set(re.split(r"[\s,]+", summary)) <= set(words)  # a long one takes several lines
 
 
-def test_list_tells_which_law_runs_where_and_why_not() -> None:
+def test_list_tells_which_controller_runs_where_and_why_not() -> None:
     output = RUNNER.invoke(app, ["list", "--matrix"]).stdout
     assert "…" not in output
     assert max(map(len, output.splitlines())) <= WIDTH
@@ -210,7 +210,7 @@ def test_program_refuses_with_exit_code_two_and_no_traceback(tmp_path: Path) -> 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_folder_that_cannot_be_written_is_refused_before_anything_is_played(tmp_path: Path) -> None:
+def test_folder_that_cannot_be_written_is_refused_before_anything_is_run(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("mine")
     options = ("--env", list_envs()[0], "--scenario", "report", "--output", str(blocked))

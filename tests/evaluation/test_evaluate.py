@@ -1,4 +1,4 @@
-"""`evaluate`: which episodes are played, and what is said about them."""
+"""`evaluate`: which episodes are run, and what is said about them."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -43,7 +43,7 @@ def deterministic(request: pytest.FixtureRequest) -> Iterator[Env]:
 
 
 def starts(evaluation: Evaluation) -> list[list[float]]:
-    """What a policy cannot change: what is true at first, by episode."""
+    """What a policy cannot change: ground truth at the start, by episode."""
     return [[*np.concatenate([values[0] for values in r.fields.values()])] for r in evaluation.rollouts]
 
 
@@ -67,7 +67,7 @@ def test_episodes_have_consecutive_seeds(env: Env) -> None:
         assert_same(rollout, record_episode(any_law(env), env, rollout.seed))
 
 
-def test_every_law_meets_the_same_episodes(env: Env) -> None:
+def test_every_controller_meets_the_same_episodes(env: Env) -> None:
     names = list_baselines(env.get_wrapper_attr("observation_layout"))
     evaluations = [evaluate(make_baseline(name, env), env, episodes=3, seed=5) for name in names]
     assert len(evaluations) > 1
@@ -100,7 +100,7 @@ def test_same_seeds_give_the_same_results_in_another_environment(environment_id:
         np.testing.assert_array_equal(values, second.metrics[name])
 
 
-def test_deterministic_scenario_is_played_once(deterministic: Env) -> None:
+def test_deterministic_scenario_is_run_once(deterministic: Env) -> None:
     calls: list[int] = []
     evaluation = evaluate(any_law(deterministic), deterministic, 5, 2, lambda: calls.append(1))
     assert [rollout.seed for rollout in evaluation.rollouts] == [2]
