@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.base.motion_errors import JointErrors
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.parts import TaskParts
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TASKS, TaskEntry
-from prp_gym.tasks.task import TaskParts, TaskSetup
 
 REGULATION = TASKS["PRP-JointRegulation-v0"]
 

@@ -19,8 +19,9 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Constant, QuinticWaypoints
 from prp_gym.tasks.parts import EpisodeStart
 from prp_gym.tasks.reward import Reward
+from prp_gym.tasks.setup import TaskNumbers, TaskSetup
 from prp_gym.tasks.spec import TASKS, NoOptions
-from prp_gym.tasks.task import Task, TaskNumbers, TaskSetup
+from prp_gym.tasks.task import Task
 
 SEEDS = st.integers(0, 2**32 - 1)
 PERIOD = 0.002  # of control; nothing here depends on it [s]
