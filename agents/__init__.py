@@ -1,1 +1,1 @@
-"""Learned agents: what training with Stable-Baselines3 needs; this module imports no learning library."""
+"""Learned agents: their policies, their training and the learning algorithms; no library is imported here."""

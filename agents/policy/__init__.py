@@ -1,1 +1,1 @@
-"""Trained agents: card, files and network, in numpy alone."""
+"""Trained agents: their cards, files and networks; numpy is enough to run them."""

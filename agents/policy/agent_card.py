@@ -117,7 +117,7 @@ class Score:
 
 
 @dataclass(frozen=True)
-class Run:
+class TrainingRecord:
     """The record of a training.
 
     Attributes:
@@ -159,7 +159,7 @@ class AgentCard:
     interface: Interface
     algorithm: str
     network: NetworkShape
-    run: Run
+    run: TrainingRecord
     scores: Mapping[str, Score]
     versions: Mapping[str, str]
     sha256: str

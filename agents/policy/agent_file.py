@@ -1,4 +1,4 @@
-"""Trained agents as files: numbers as safetensors, the card as JSON; neither can hold code."""
+"""Trained agents as files: weights as safetensors and a card as JSON, formats that cannot hold code."""
 
 import re
 from dataclasses import replace
@@ -13,7 +13,7 @@ from prp_gym.evaluation.results import write_file
 from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"
-"""The agents that come with the package."""
+"""Folder of the agents that are shipped with the package."""
 
 TENSORS, CARD = ".safetensors", ".json"
 _WITH_CODE = frozenset((".zip", ".pkl", ".pickle", ".pt", ".pth", ".npy", ".npz", ".joblib"))
@@ -22,17 +22,17 @@ _ONE_SEED = re.compile(r"(?P<group>.+)_seed_(?P<seed>\d+)")
 
 
 def save_agent(policy: LearnedPolicy, path: str | Path) -> tuple[Path, Path]:
-    """Write an agent's two files, each in one piece.
+    """Write an agent's two files, each atomically.
 
     Args:
-        policy: the agent.
-        path: of the files, with or without either suffix; a folder that does not exist is made.
+        policy: agent to write.
+        path: path of the files, with or without either suffix; a missing folder is created.
 
     Returns:
-        the paths of the two files.
+        the paths of the weights and of the card.
 
     Raises:
-        AgentFileError: a card or numbers that could not be read again, such as NaN.
+        AgentFileError: a card or weights that could not be read again, for instance NaN.
         OutputError: the files cannot be written.
     """
     tensors, card = _twins(path)
@@ -46,15 +46,15 @@ def save_agent(policy: LearnedPolicy, path: str | Path) -> tuple[Path, Path]:
 
 
 def load_agent(name_or_path: str | Path) -> LearnedPolicy:
-    """A trained agent, which nothing but numpy is needed to run; no file that can hold code is opened.
+    """A trained agent, which needs numpy only; no file that can hold code is opened.
 
     Args:
-        name_or_path: `<environment id>/<algorithm>_<action mode>` for the training seed of median score among
-            those that come with the package, one of them with `_seed_<k>`; or the path of an agent's files,
-            with or without either suffix.
+        name_or_path: name of a shipped agent or path of an agent's files. The name
+            `<environment id>/<algorithm>_<action mode>` stands for the training seed with the median score,
+            the same with `_seed_<k>` for training seed k. A path has either suffix or none.
 
     Raises:
-        UnknownNameError: no such agent.
+        UnknownNameError: no shipped agent has this name.
         AgentFileError: a file that is missing, damaged, altered or of another kind.
     """
     if isinstance(name_or_path, str) and name_or_path in _shipped():
@@ -67,13 +67,13 @@ def load_agent(name_or_path: str | Path) -> LearnedPolicy:
 
 
 def list_agents(environment_id: str | None = None) -> list[str]:
-    """Names of the agents that come with the package, each a group of training seeds.
+    """Names of the shipped agents, each of which stands for a group of training seeds.
 
     Args:
-        environment_id: of the agents; None for all.
+        environment_id: id of the environment in which the agents were trained; None for all.
 
     Raises:
-        UnknownNameError: an environment id that does not exist.
+        UnknownNameError: an environment that is not registered.
     """
     if environment_id is not None and environment_id not in list_envs():
         raise UnknownNameError("environment", environment_id, list_envs())
@@ -82,7 +82,10 @@ def list_agents(environment_id: str | None = None) -> list[str]:
 
 
 def list_seeds(group: str) -> list[str]:
-    """Names of a group's agents, one a training seed, in the order of the seeds.
+    """Names of the agents in a group, one for each training seed, in the order of the seeds.
+
+    Args:
+        group: name of the group, as `list_agents` gives it.
 
     Raises:
         UnknownNameError: no such group.
@@ -94,7 +97,7 @@ def list_seeds(group: str) -> list[str]:
 
 
 def _files() -> list[str]:
-    """The agents that come with the package, by `<environment id>/<file name without suffix>`."""
+    """Names of all shipped agents, `<environment id>/<file name without suffix>`."""
     paths = sorted(TRAINED.glob(f"*/*{CARD}"))
     return [f"{path.parent.name}/{path.name.removesuffix(CARD)}" for path in paths]
 
@@ -109,7 +112,7 @@ def _group(name: str) -> str:
 
 
 def _median(name: str) -> str:
-    """The agent itself, or of a group the one whose score is the (lower) median; at equal scores by seed."""
+    """The agent itself, or a group's agent of (lower) median score; equal scores are ordered by seed."""
     files = _files()
     if name in files:
         return name
@@ -121,7 +124,7 @@ def _median(name: str) -> str:
 
 
 def _own_score(name: str) -> float:
-    """The score on the card in the scenario of the training."""
+    """The score that an agent's card states for the scenario of the training."""
     _, path = _twins(TRAINED / name)
     card = unpack_card(path, _content(path))
     scenario = card.interface.keywords.get("scenario", EnvConfig.scenario)
@@ -131,16 +134,16 @@ def _own_score(name: str) -> float:
 
 
 def _twins(path: str | Path) -> tuple[Path, Path]:
-    """The two files of an agent.
+    """Paths of an agent's two files.
 
     Raises:
-        AgentFileError: a suffix of files that can hold code.
+        AgentFileError: the suffix of a file that can hold code.
     """
     given = str(path)
     if Path(given).suffix.lower() in _WITH_CODE:
         remedy = f"convert it, if you trust its author: prp-gym export {given} --trust --env ID --output OUT"
         raise AgentFileError(
-            given, f"such files can run code when they are opened, so this one is not; {remedy}"
+            given, f"files with this suffix can run code when they are opened, so it is not opened; {remedy}"
         )
     stem = given.removesuffix(TENSORS).removesuffix(CARD)
     return Path(stem + TENSORS), Path(stem + CARD)
@@ -152,10 +155,10 @@ def _load(tensors: Path, card: Path) -> LearnedPolicy:
 
 
 def _content(path: Path) -> bytes:
-    """A file's content.
+    """The content of a file.
 
     Raises:
-        AgentFileError: it cannot be read, or is larger than any agent.
+        AgentFileError: a file that cannot be read, or that is larger than the files of any agent.
     """
     largest = _LARGEST[path.suffix]
     try:

@@ -1,4 +1,4 @@
-"""The numbers of an agent, normaliser and network, as bytes in the safetensors form, which holds no code."""
+"""Normaliser and network weights of an agent as bytes in the safetensors format, which cannot hold code."""
 
 import hashlib
 from pathlib import Path
@@ -17,26 +17,26 @@ _NORMALIZER = ("mean", "variance", "epsilon", "clip")
 
 
 def pack_tensors(normalizer: Normalizer, network: Network) -> bytes:
-    """The content of the file; the same numbers give the same bytes."""
+    """The content of the file; the same values give the same bytes."""
     values = {f"normalizer.{name}": np.array(getattr(normalizer, name), np.float64) for name in _NORMALIZER}
     return bytes(save({**values, **network.tensors}))
 
 
 def digest(content: bytes) -> str:
-    """SHA-256 of a file's content."""
+    """SHA-256 of a file's content, in hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
 
 
 def unpack_tensors(path: Path, content: bytes, card: AgentCard) -> tuple[Normalizer, Network]:
-    """Normaliser and network of a file's content.
+    """Normaliser and network from the content of a file.
 
     Args:
-        path: of the file, for messages.
-        content: of the file.
-        card: that belongs to it.
+        path: path of the file, for messages.
+        content: content of the file.
+        card: card of the agent, which states names, shapes and the SHA-256 of the content.
 
     Raises:
-        AgentFileError: not what the card says, in whatever way.
+        AgentFileError: content that differs from what the card states.
     """
     if digest(content) != card.sha256:
         raise AgentFileError(path, "its SHA-256 is not that on its card: it is damaged, altered or another's")
@@ -52,14 +52,14 @@ def unpack_tensors(path: Path, content: bytes, card: AgentCard) -> tuple[Normali
 
 
 def _expected(shape: NetworkShape) -> dict[str, tuple[str, tuple[int, ...]]]:
-    """Precision and shape of each tensor by its name."""
+    """Data type and shape of each tensor by its name."""
     sizes = ((shape.inputs,), (shape.inputs,), (), ())
     own = {f"normalizer.{name}": ("float64", size) for name, size in zip(_NORMALIZER, sizes, strict=True)}
     return own | {name: ("float32", size) for name, size in shape.tensor_shapes().items()}
 
 
 def _check(path: Path, tensors: dict[str, NDArray[np.floating]], shape: NetworkShape) -> None:
-    """Refuse tensors other than those of the card, and numbers that are none."""
+    """Refuse tensors other than those that the card states, and values that are not finite."""
     expected = _expected(shape)
     if set(tensors) != set(expected):
         differing = sorted(set(tensors) ^ set(expected))

@@ -1,4 +1,4 @@
-"""An `AgentCard` as a JSON file that shows if it was altered."""
+"""An `AgentCard` as a JSON file with a checksum, which reveals alterations."""
 
 import hashlib
 import json
@@ -14,21 +14,21 @@ _KEYS = {"format", "card", "checksum"}
 
 
 def pack_card(card: AgentCard) -> bytes:
-    """The content of the card's file."""
+    """The content of the file of a card."""
     plain = to_plain(card)
     return _render({"format": FORMAT, "card": plain, "checksum": _checksum(plain)})
 
 
 def unpack_card(path: Path, content: bytes) -> AgentCard:
-    """The card of a file's content.
+    """The card from the content of its file.
 
     Args:
-        path: of the file, for messages.
-        content: of the file.
+        path: path of the file, for messages.
+        content: content of the file.
 
     Raises:
-        AgentFileError: not such a file, of another format version, altered, or with a key or value that a
-            card does not have.
+        AgentFileError: content that is not a card, that has another format, that was altered, or that has a
+            key or value that a card cannot have.
     """
     plain = parse_json(path, content)
     try:
@@ -38,7 +38,7 @@ def unpack_card(path: Path, content: bytes) -> AgentCard:
 
 
 def _checked(path: Path, content: bytes, plain: Any) -> AgentCard:
-    """The card, if the file's content is exactly what it is packed as."""
+    """The card, if the content is to the byte what this package writes for it."""
     reader = StrictReader(path)
     if isinstance(plain, dict) and plain.get("format", FORMAT) != FORMAT:
         raise AgentFileError(path, f"key 'format' is {plain['format']!r}; this version reads {FORMAT}")

@@ -1,4 +1,4 @@
-"""Whether an environment is one on which a trained agent can act."""
+"""`check_same`: whether a trained agent can act in an environment."""
 
 from typing import Any
 
@@ -10,15 +10,16 @@ _UNITS = {"control_frequency": "Hz"}
 
 
 def check_same(card: AgentCard, env: Any) -> None:
-    """Refuse an environment of another interface than an agent's.
+    """Refuse an environment whose interface differs from that of an agent's training.
 
     Args:
-        card: of the agent.
-        env: of this suite, or many alike, wrapped or not; Stable-Baselines3's too.
+        card: card of the agent.
+        env: environment or vector environment of this suite, with or without wrappers, also those of
+            Stable-Baselines3.
 
     Raises:
-        InvalidValueError: another suite, id, observation, action mode, control frequency or size of actions;
-            observations that a wrapper has normalised already.
+        InvalidValueError: an environment of another suite or id, or with another observation, action mode,
+            control frequency or action size; observations that a wrapper has already normalised.
     """
     found, expected = _facts_of(env), _facts_on(card)
     for name, value in found.items():
@@ -32,7 +33,7 @@ def check_same(card: AgentCard, env: Any) -> None:
 
 
 def _facts_on(card: AgentCard) -> dict[str, Any]:
-    """What the agent was trained with; keywords that its card lacks had their defaults."""
+    """The interface in training; keywords that the card does not state had their defaults."""
     keywords, size = card.interface.keywords, sum(part.size for part in card.interface.observation)
     return {
         "id": card.environment_id,
@@ -45,7 +46,7 @@ def _facts_on(card: AgentCard) -> dict[str, Any]:
 
 
 def _facts_of(env: Any) -> dict[str, Any]:
-    """The same facts of an environment.
+    """The same facts about an environment.
 
     Raises:
         InvalidValueError: an environment of another suite.
@@ -68,10 +69,10 @@ def _facts_of(env: Any) -> dict[str, Any]:
 
 
 def _attribute(env: Any, name: str) -> Any:
-    """An attribute of an environment, or of the first one of many."""
+    """An attribute of an environment, or of the first one in a vector environment."""
     return getattr(env, name) if hasattr(env, name) else env.get_attr(name)[0]
 
 
 def _space(env: Any, name: str) -> Any:
-    """The space of one environment, or of one among many."""
+    """The space of a single environment, also of one in a vector environment."""
     return getattr(env, f"single_{name}") if hasattr(env, f"single_{name}") else getattr(env, name)

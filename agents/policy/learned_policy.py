@@ -1,4 +1,4 @@
-"""`LearnedPolicy`: a trained agent with Stable-Baselines3's `predict`, in numpy alone."""
+"""`LearnedPolicy`: a trained agent with the `predict` method of Stable-Baselines3, computed in numpy."""
 
 from typing import Any, ClassVar
 
@@ -15,18 +15,18 @@ from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 
 
 class LearnedPolicy:
-    """A trained agent; neither torch nor Stable-Baselines3 is needed.
+    """A trained agent, which needs neither PyTorch nor Stable-Baselines3.
 
     Args:
-        card: what it is, and how it came about.
-        normalizer: of its features.
-        network: from normalised features to actions.
+        card: description of the agent.
+        normalizer: normaliser of the features.
+        network: network that maps normalised features to actions.
 
     Attributes:
-        card: what it is, and how it came about.
-        normalizer: of its features.
-        network: from normalised features to actions.
-        batched: `predict` also takes several observations at once.
+        card: description of the agent.
+        normalizer: normaliser of the features.
+        network: network that maps normalised features to actions.
+        batched: whether `predict` also takes several observations at once; True.
     """
 
     batched: ClassVar[bool] = True
@@ -44,13 +44,13 @@ class LearnedPolicy:
         return dict(self.card.interface.keywords)
 
     def make_env(self, **overrides: Any) -> gymnasium.Env[Any, Any]:
-        """The environment in which the agent was trained.
+        """Make the environment in which the agent was trained.
 
         Args:
-            overrides: keywords to set otherwise, such as `scenario` or `render_mode`.
+            overrides: keywords that replace those of training, such as `scenario` or `render_mode`.
 
         Raises:
-            PRPError: a keyword that does not exist or a value that is not allowed; an environment on which
+            PRPError: a keyword that does not exist, a value that is not allowed, or an environment in which
                 the agent cannot act.
         """
         env: gymnasium.Env[Any, Any] = gymnasium.make(
@@ -64,14 +64,15 @@ class LearnedPolicy:
         return env
 
     def check_env(self, env: Any) -> None:
-        """Refuse an environment on which the agent cannot act as it was trained to.
+        """Refuse an environment whose interface differs from that of the training.
 
         Args:
-            env: of this suite, or many alike, wrapped or not; Stable-Baselines3's too.
+            env: environment or vector environment of this suite, with or without wrappers, also those of
+                Stable-Baselines3.
 
         Raises:
-            InvalidValueError: another suite, id, observation, action mode, control frequency or size of
-                actions.
+            InvalidValueError: an environment of another suite or id, or with another observation, action
+                mode, control frequency or action size.
         """
         check_same(self.card, env)
 
@@ -82,21 +83,21 @@ class LearnedPolicy:
         episode_start: NDArray[Any] | None = None,
         deterministic: bool = True,
     ) -> tuple[NDArray[np.float32], PolicyState]:
-        """The action for one observation or for several, as Stable-Baselines3's policies give it.
+        """The action for one observation or for a batch, with the conventions of Stable-Baselines3.
 
         Args:
-            observation: (size) or (N, size), as the environment gives it: neither normalised nor stacked.
-            state: what the last call returned; None at first.
-            episode_start: (N) whether an episode starts with this observation; there the state starts anew.
-            deterministic: the most likely action; what training adds to explore is not exported.
+            observation: (size) or (N, size), as the environment returns it, neither normalised nor stacked.
+            state: recurrent state that the last call returned; None at first.
+            episode_start: (N) whether an episode starts with this observation, which resets the state.
+            deterministic: must be True; the exploration noise of training is not exported.
 
         Returns:
-            action (size) or (N, size), within [-1, 1], and the state for the next call, None where the
-            network has no memory.
+            action (size) or (N, size), within [-1, 1], and the recurrent state for the next call, None for a
+            network without recurrence.
 
         Raises:
-            ShapeError: an observation of another size, for instance behind a wrapper that changes it;
-                a state of another agent or number of environments; an `episode_start` of another number.
+            ShapeError: an observation of another size, for instance behind a wrapper that changes it; a state
+                of another agent or number of environments; an `episode_start` of another size.
             InvalidValueError: an observation that is a dictionary; `deterministic=False`.
         """
         if isinstance(observation, dict):

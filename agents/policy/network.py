@@ -1,4 +1,4 @@
-"""`Network`: a trained policy's network in numpy, in the single precision in which it was trained."""
+"""`Network`: the network of a trained policy in numpy, in single precision as in training."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ Memory = tuple[Array32, ...]
 
 def _sigmoid(values: Array32) -> Array32:
     half = np.float32(0.5)
-    return np.asarray(half + half * np.tanh(half * values))  # no exponential that overflows
+    return np.asarray(half + half * np.tanh(half * values))  # without an exponential that could overflow
 
 
 def _elu(values: Array32) -> Array32:
@@ -26,26 +26,26 @@ ACTIVATIONS: Mapping[str, Callable[[Array32], Array32]] = {
     "silu": lambda values: values * _sigmoid(values),
     "tanh": np.tanh,
 }
-"""Between the layers, with torch's default numbers."""
+"""Activation functions between the layers, with PyTorch's default parameters."""
 
 HEADS: Mapping[str, Callable[[Array32], Array32]] = {
     "clip": lambda values: np.clip(values, np.float32(-1), np.float32(1)),
     "tanh": np.tanh,
 }
-"""From the last layer to an action within [-1, 1]: a Gaussian's mean clipped, or squashed."""
+"""Functions from the last layer to an action within [-1, 1]: clipping or squashing of a Gaussian's mean."""
 
 
 @dataclass(frozen=True)
 class NetworkShape:
-    """All of a network but its numbers.
+    """Sizes and functions of a network, without its weights.
 
     Attributes:
         inputs: number of features.
-        memory: sizes of the LSTM layers, from the input on; none without memory.
-        hidden: sizes of the hidden layers after them.
-        outputs: components of an action.
-        activation: after each hidden layer, by its name in `ACTIVATIONS`.
-        head: by its name in `HEADS`.
+        memory: sizes of the LSTM layers, from the input on; empty for a network without recurrence.
+        hidden: sizes of the hidden layers after the LSTM layers.
+        outputs: number of components of an action.
+        activation: name of the function after each hidden layer, a key of `ACTIVATIONS`.
+        head: name of the function after the last layer, a key of `HEADS`.
     """
 
     inputs: int
@@ -56,7 +56,7 @@ class NetworkShape:
     head: str
 
     def tensor_shapes(self) -> dict[str, tuple[int, ...]]:
-        """The names of the network's tensors, with their shapes."""
+        """Shapes of the network's tensors by their names."""
         shapes: dict[str, tuple[int, ...]] = {}
         size = self.inputs
         for index, units in enumerate(self.memory):
@@ -72,12 +72,12 @@ class NetworkShape:
 
 
 class Network:
-    """LSTM layers, if any, then layers with an activation, then the head.
+    """A network of LSTM layers, if any, linear layers with activations, and a head.
 
     Args:
-        shape: of the network.
-        tensors: by the names of `NetworkShape.tensor_shapes`, of these shapes. The rows of an LSTM layer are
-            those of its input gate, forget gate, cell and output gate.
+        shape: sizes and functions of the network.
+        tensors: weights, with the names and shapes of `NetworkShape.tensor_shapes`. The rows of an LSTM layer
+            are those of its input gate, forget gate, cell and output gate.
     """
 
     def __init__(self, shape: NetworkShape, tensors: Mapping[str, Array32]) -> None:
@@ -87,30 +87,30 @@ class Network:
             tensor.flags.writeable = False
 
     def initial_memory(self, lead: tuple[int, ...]) -> Memory:
-        """The memory at the start of an episode.
+        """The recurrent state at the start of an episode.
 
         Args:
             lead: leading dimensions of the features.
 
         Returns:
-            output and cell (*lead, units) of each LSTM layer; none without memory.
+            output and cell (*lead, units) of each LSTM layer; empty for a network without recurrence.
         """
         return tuple(np.zeros((*lead, units), np.float32) for units in self.shape.memory for _ in range(2))
 
     def __call__(self, features: NDArray[np.floating], memory: Memory) -> tuple[Array32, Memory]:
-        """The action.
+        """The action for normalised features.
 
         Args:
-            features: (..., inputs), normalised.
-            memory: of `initial_memory` or of the last call.
+            features: normalised features (..., inputs).
+            memory: recurrent state from `initial_memory` or from the last call.
 
         Returns:
-            action (..., outputs) within [-1, 1], and the memory for the next call.
+            action (..., outputs) within [-1, 1], and the recurrent state for the next call.
         """
         values = np.asarray(features, dtype=np.float32)
         after: Memory = ()
         for index in range(len(self.shape.memory)):
-            output, cell = self._remember(index, values, memory[2 * index], memory[2 * index + 1])
+            output, cell = self._lstm_layer(index, values, memory[2 * index], memory[2 * index + 1])
             after, values = (*after, output, cell), output
         for index in range(len(self.shape.hidden)):
             values = ACTIVATIONS[self.shape.activation](self._layer(index, values))
@@ -120,8 +120,8 @@ class Network:
         weight, bias = self.tensors[f"layer_{index}.weight"], self.tensors[f"layer_{index}.bias"]
         return np.asarray(values @ weight.T + bias)
 
-    def _remember(self, index: int, values: Array32, output: Array32, cell: Array32) -> tuple[Array32, ...]:
-        """Output and cell of an LSTM layer after these values."""
+    def _lstm_layer(self, index: int, values: Array32, output: Array32, cell: Array32) -> tuple[Array32, ...]:
+        """Output and cell of an LSTM layer after one step."""
         own = (self.tensors[f"lstm_{index}.{name}"] for name in ("input_weight", "state_weight", "bias"))
         input_weight, state_weight, bias = own
         gates = values @ input_weight.T + output @ state_weight.T + bias

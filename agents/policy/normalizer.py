@@ -1,4 +1,4 @@
-"""`Normalizer`: features scaled as they were in training."""
+"""`Normalizer`: normalisation of features with the statistics of training."""
 
 from dataclasses import dataclass
 
@@ -10,12 +10,12 @@ from prp_gym.robot.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Normalizer:
-    """What Stable-Baselines3's VecNormalize does to observations, with its statistics as they are.
+    """Normalisation as by VecNormalize of Stable-Baselines3, with constant statistics.
 
     Attributes:
-        mean: of the features (features).
-        variance: of the features (features).
-        epsilon: added to the variance.
+        mean: mean of each feature (features).
+        variance: variance of each feature (features).
+        epsilon: constant added to the variances.
         clip: largest magnitude of a normalised feature.
     """
 
@@ -25,6 +25,6 @@ class Normalizer:
     clip: float
 
     def __call__(self, features: ArrayLike) -> Array:
-        """Normalised features (..., features) of features (..., features)."""
+        """Normalised features (..., features), from features (..., features)."""
         scaled = (np.asarray(features) - self.mean) / np.sqrt(self.variance + self.epsilon)
         return np.clip(scaled, -self.clip, self.clip)

@@ -26,15 +26,15 @@ def parse_json(path: Path, content: bytes) -> Any:
         AgentFileError: the content is not JSON, has a key twice, or has NaN or infinity.
     """
 
-    def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(pairs)
-        if len(found) < len(pairs):
-            raise ValueError(f"a key is given twice in {[key for key, _ in pairs]}")
+    def unique(members: list[tuple[str, Any]]) -> dict[str, Any]:
+        found = dict(members)
+        if len(found) < len(members):
+            raise ValueError(f"a key is given twice in {[key for key, _ in members]}")
         return found
 
     def finite(text: str) -> float:
         if not math.isfinite(number := float(text)):
-            raise ValueError(f"{text} is no finite number")
+            raise ValueError(f"{text} is not a finite number")
         return number
 
     try:
@@ -131,7 +131,7 @@ class StrictReader:
                 return float(plain)
             except OverflowError:
                 raise self._refusal(key, plain, _NAMES[kind]) from None
-        if type(plain) is not kind:  # true is no number
+        if type(plain) is not kind:  # `true` is not a number
             raise self._refusal(key, plain, _NAMES[kind])
         return plain
 

@@ -1,1 +1,1 @@
-"""Between this suite and Stable-Baselines3."""
+"""Adapters between the environments of this suite and Stable-Baselines3."""

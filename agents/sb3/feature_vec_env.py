@@ -1,4 +1,4 @@
-"""`TrackingFeaturesVecEnv`: environments whose observations are features for a network."""
+"""`TrackingFeaturesVecEnv`: vectorised environments whose observations are features for a network."""
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -10,15 +10,15 @@ from prp_gym.agents.policy.features import TrackingFeatures
 
 
 class TrackingFeaturesVecEnv(VecEnvWrapper):
-    """Environments that give `TrackingFeatures` of what they observe, also of the last step of an episode.
+    """Wrapper that returns `TrackingFeatures` of the observations, also of an episode's last observation.
 
-    Features are float32: replay buffers of half the size, and a rounding far below any sensor's noise.
+    Features are float32: they halve the size of replay buffers and round far below any sensor noise.
 
     Args:
-        venv: of this suite.
+        venv: vectorised environments of this suite.
 
     Attributes:
-        features: that are given.
+        features: function from observations to features.
     """
 
     def __init__(self, venv: VecEnv) -> None:
@@ -27,11 +27,11 @@ class TrackingFeaturesVecEnv(VecEnvWrapper):
         super().__init__(venv, observation_space=space)
 
     def reset(self) -> NDArray[np.float32]:
-        """Start an episode in every environment; features (N, size)."""
+        """Start an episode in every environment and return the features (N, size)."""
         return self._features(self.venv.reset())  # type: ignore[arg-type]
 
     def step_wait(self) -> VecEnvStepReturn:
-        """One control period; features (N, size) in place of observations."""
+        """Advance one control period; features (N, size) take the place of observations."""
         observation, reward, done, infos = self.venv.step_wait()
         for index in np.flatnonzero(done):
             infos[index]["terminal_observation"] = self._features(infos[index]["terminal_observation"])

@@ -1,4 +1,4 @@
-"""`SB3VecEnv`: the environments of a `PRPVectorEnv`, as Stable-Baselines3 takes them."""
+"""`SB3VecEnv`: a `PRPVectorEnv` with the interface of Stable-Baselines3's `VecEnv`."""
 
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
@@ -24,16 +24,16 @@ _ONE_VALUE = ((),)
 class SB3VecEnv(VecEnv):
     """N environments stepped together, with Stable-Baselines3's interface.
 
-    To the last bit what `DummyVecEnv` gives of N environments of their own: rewards are float32; where an
-    episode ends, the next one begins within the same step, and `info` is that of the last step, with its
-    observation as `terminal_observation`. Observations and infos are new at every step.
+    The results are bit for bit those of `DummyVecEnv` with N single environments: rewards are float32; where
+    an episode ends, the next one starts within the same step, and `info` is that of the last step, with its
+    observation as `terminal_observation`. Every step returns new observations and infos.
 
     Args:
-        together: the environments, made with `autoreset_mode="SameStep"`.
+        together: vector environment, made with `autoreset_mode="SameStep"`.
 
     Attributes:
-        together: the environments.
-        spec: with which Gymnasium made them, if it did.
+        together: vector environment.
+        spec: specification with which Gymnasium made the vector environment; None if it did not.
 
     Raises:
         InvalidValueError: another autoreset mode.
@@ -53,7 +53,7 @@ class SB3VecEnv(VecEnv):
         self.metadata = {name: together.metadata[name] for name in ("render_modes", "render_fps")}
 
     def reset(self) -> Array:
-        """Start an episode in every environment, with what `seed` and `set_options` said since the last.
+        """Start an episode in every environment, with the seeds and options set since the last reset.
 
         Returns:
             the observations (N, size).
@@ -74,11 +74,11 @@ class SB3VecEnv(VecEnv):
         return observation
 
     def _begin(self, each: Sequence[Mapping[str, Array]]) -> Array:
-        """Start the episodes, those with the same options together; the observations of all."""
+        """Start the episodes, those with the same options together, and return all observations."""
         groups: dict[tuple[str, ...], list[int]] = {}
         for index, options in enumerate(each):
             groups.setdefault(tuple(sorted(options)), []).append(index)
-        if len(groups) > 1 and not self._began:  # the first reset must be one of all
+        if len(groups) > 1 and not self._began:  # the first reset must include every environment
             self.together.reset(seed=self._seeds)
         self._began = True
         for names, members in groups.items():
@@ -90,15 +90,15 @@ class SB3VecEnv(VecEnv):
         return observation
 
     def step_async(self, actions: NDArray[Any]) -> None:
-        """Keep the actions (N, size), their parts over their bounds, for `step_wait`."""
+        """Store the actions (N, size), normalised by their bounds, for `step_wait`."""
         self.actions = actions
 
     def step_wait(self) -> VecEnvStepReturn:
-        """One control period with the actions of `step_async`.
+        """Advance one control period with the actions of `step_async`.
 
         Returns:
-            observations (N, size), those of new episodes where one ended; rewards (N) [s], float32; whether
-            an episode ended (N); and an `info` for each environment.
+            observations (N, size), those of the new episode where one ended; rewards (N) [s], float32;
+            whether an episode ended (N); and one `info` for each environment.
 
         Raises:
             ShapeError: actions of another shape.
@@ -117,7 +117,7 @@ class SB3VecEnv(VecEnv):
 
     @staticmethod
     def _numbers(info: Mapping[str, Any], name: str, done: NDArray[np.bool_]) -> list[float]:
-        """A number of the step just taken (N), whether an episode ended with it or not."""
+        """A value of `info` for the step just taken (N), also where an episode ended with it."""
         if "final_info" in info:
             final = info["final_info"][name]
             values = np.where(done, final, info.get(name, final))
@@ -127,36 +127,36 @@ class SB3VecEnv(VecEnv):
         return numbers
 
     def close(self) -> None:
-        """Free the drawing context."""
+        """Free the rendering context."""
         self.together.close()
 
     def get_images(self) -> Sequence[NDArray[Any] | None]:
-        """A picture of every environment; None for each without `render_mode="rgb_array"`."""
+        """One rendered frame for each environment; None without `render_mode="rgb_array"`."""
         if self.render_mode != "rgb_array":
-            warnings.warn(f"pictures need render_mode='rgb_array'; it is {self.render_mode!r}", stacklevel=2)
+            warnings.warn(f"frames need render_mode='rgb_array'; it is {self.render_mode!r}", stacklevel=2)
             return [None] * self.num_envs
         return self.together.render()
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """An attribute of some environments, by default of all; see `EnvironmentView`."""
+        """An attribute of the selected environments, by default of all; see `EnvironmentView`."""
         return [view.get_wrapper_attr(attr_name) for view in self._views(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Indices = None) -> None:
-        """Set an attribute of some environments, by default of all, to one value."""
+        """Set an attribute of the selected environments, by default of all, to one value."""
         for view in self._views(indices):
             view.set_wrapper_attr(attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: Indices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """What a method of some environments returns, by default of all; see `EnvironmentView`."""
+        """Results of a method of the selected environments, by default of all; see `EnvironmentView`."""
         found = [view.get_wrapper_attr(method_name) for view in self._views(indices)]
         return [method(*method_args, **method_kwargs) for method in found]
 
     def env_is_wrapped(
         self, wrapper_class: type[gymnasium.Wrapper[Any, Any, Any, Any]], indices: Indices = None
     ) -> list[bool]:
-        """False for each: there are no wrappers around one among many."""
+        """False for every environment: single environments in a vector environment have no wrappers."""
         return [False for _ in self._views(indices)]
 
     def _views(self, indices: Indices) -> list[EnvironmentView]:

@@ -1,1 +1,1 @@
-"""Training of agents, from a recipe to a finished run."""
+"""Training of agents: recipes, runs with checkpoints, and the export of trained models."""

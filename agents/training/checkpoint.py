@@ -1,4 +1,4 @@
-"""Checkpoints of training: plain arrays and numbers, whole or not there, and nothing that is unpickled."""
+"""Checkpoints of training: written atomically, as plain arrays and numbers that need no unpickling."""
 
 import json
 import os
@@ -26,12 +26,17 @@ _NORMALIZER = ("mean", "variance")
 
 
 def find_checkpoint(folder: Path) -> list[Path]:
-    """The newest checkpoint in a run's folder, in a list; an empty one where there is none."""
+    """A list with the newest checkpoint in a run's folder; an empty list where there is none."""
     return sorted(folder.glob(f"{_PREFIX}*"))[-1:]
 
 
 def write_checkpoint(folder: Path, learner: Learner, state: TrainingState) -> None:
-    """Keep all that is needed to go on, then forget the checkpoint before.
+    """Write everything that a resumed training needs, then remove the previous checkpoint.
+
+    Args:
+        folder: folder of the run.
+        learner: model in training and its environments.
+        state: progress of the run.
 
     Raises:
         OutputError: the folder cannot be written to.
@@ -53,7 +58,7 @@ def write_checkpoint(folder: Path, learner: Learner, state: TrainingState) -> No
 
 
 def remove_checkpoints(folder: Path) -> None:
-    """Remove all checkpoints of a run, half written ones too."""
+    """Remove all checkpoints of a run, including incomplete ones."""
     for pattern in (f"{_PREFIX}*", f".{_PREFIX}*.part"):
         for path in folder.glob(pattern):
             shutil.rmtree(path, ignore_errors=True)
@@ -103,7 +108,7 @@ def _checksum(path: Path) -> int:
 
 
 def _tensors(model: Any, state: TrainingState) -> dict[str, Any]:
-    """Everything that PyTorch keeps."""
+    """Everything that PyTorch stores: parameters, other variables, random state and the best weights."""
     _, names = model._get_torch_save_params()
     return {
         "parameters": model.get_parameters(),
@@ -114,13 +119,13 @@ def _tensors(model: Any, state: TrainingState) -> dict[str, Any]:
 
 
 def _arrays(learner: Learner, state: TrainingState) -> dict[str, Any]:
-    """The normaliser's statistics, those of the best policy, and numpy's global generator."""
+    """Statistics of the normaliser, those of the best policy, and the state of numpy's global generator."""
     arrays: dict[str, Any] = {}
     for name in ("obs_rms", "ret_rms"):
         statistics = getattr(learner.env, name, None)
         if statistics is not None:
             arrays |= {f"{name}.{key}": getattr(statistics, key) for key in ("mean", "var", "count")}
-    _, keys, position, has_gauss, cached = np.random.get_state()  # noqa: NPY002 (what the algorithms draw from)
+    _, keys, position, has_gauss, cached = np.random.get_state()  # noqa: NPY002 (the algorithms draw from it)
     arrays |= {"generator.keys": keys, "generator.rest": np.array([position, has_gauss, cached])}
     for best in state.best:
         arrays |= {f"best.{name}": getattr(best.normalizer, name) for name in _NORMALIZER}
@@ -132,35 +137,38 @@ def _replay(buffer: Any) -> dict[str, Any]:
     """The filled part of a replay buffer."""
     filled = buffer.buffer_size if buffer.full else buffer.pos
     return {name: getattr(buffer, name)[:filled] for name in _BUFFER} | {
-        "place": np.array([buffer.pos, int(buffer.full)])
+        "position": np.array([buffer.pos, int(buffer.full)])
     }
 
 
 def read_resumes(path: Path) -> int:
-    """How often training had gone on when a checkpoint was written.
+    """Number of times that training had been resumed when a checkpoint was written.
+
+    Args:
+        path: path of the checkpoint.
 
     Raises:
-        CheckpointError: it is damaged.
+        CheckpointError: the checkpoint is damaged.
     """
     return int(_read(path, lambda: _read_numbers(path)["resumes"]))
 
 
 def restore_checkpoint(path: Path, learner: Learner) -> TrainingState:
-    """Put a learner where it was, and return what the run had come to.
+    """Restore a learner, and return the progress of its run.
 
     Args:
-        path: of the checkpoint.
-        learner: made from the same recipe and seed.
+        path: path of the checkpoint.
+        learner: learner made from the same recipe and seed.
 
     Raises:
-        CheckpointError: it is damaged, or of another kind of learner.
+        CheckpointError: the checkpoint is damaged, or belongs to another kind of learner.
     """
     state: TrainingState = _read(path, lambda: _restore(path, learner))
     return state
 
 
 def _read_numbers(path: Path) -> dict[str, Any]:
-    """The numbers of a checkpoint, whose checksum stands before them."""
+    """The numbers of a checkpoint, after a check of the checksum that precedes them."""
     checksum, _, text = (path / _STATE).read_text(encoding="utf-8").partition("\n")
     if zlib.crc32(text.removesuffix("\n").encode()) != int(checksum):
         raise ValueError(f"the checksum of {_STATE} does not match")
@@ -171,7 +179,7 @@ def _read_numbers(path: Path) -> dict[str, Any]:
 def _read(path: Path, read: Callable[[], Any]) -> Any:
     try:
         return read()
-    except Exception as error:  # whatever a damaged file makes of a reader
+    except Exception as error:  # a damaged file can raise any exception
         raise CheckpointError(path, f"{type(error).__name__}: {error}".splitlines()[0]) from error
 
 
@@ -209,7 +217,7 @@ def _restore_replay(buffer: Any, path: Path) -> None:
         for name in _BUFFER:
             values = file[name]
             getattr(buffer, name)[: len(values)] = values
-        buffer.pos, buffer.full = int(file["place"][0]), bool(file["place"][1])
+        buffer.pos, buffer.full = int(file["position"][0]), bool(file["position"][1])
 
 
 def _restore_generators(
@@ -217,7 +225,7 @@ def _restore_generators(
 ) -> None:
     torch.set_rng_state(tensors["generator"])
     position, has_gauss, cached = arrays["generator.rest"]
-    np.random.set_state(  # noqa: NPY002 (what the algorithms draw from)
+    np.random.set_state(  # noqa: NPY002 (the algorithms draw from it)
         ("MT19937", arrays["generator.keys"], int(position), int(has_gauss), float(cached))
     )
     model.action_space.np_random.bit_generator.state = numbers["action_space"]

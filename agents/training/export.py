@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from prp_gym.agents.algorithms import ALGORITHMS, AlgorithmSpec
-from prp_gym.agents.policy.agent_card import AgentCard, Interface, Keyword, Part, PlainFeatures, Run, Score
+from prp_gym.agents.policy.agent_card import (
+    AgentCard,
+    Interface,
+    Keyword,
+    Part,
+    PlainFeatures,
+    Score,
+    TrainingRecord,
+)
 from prp_gym.agents.policy.agent_tensors import digest, pack_tensors
 from prp_gym.agents.policy.environments import environment_revision
 from prp_gym.agents.policy.features import TrackingFeatures
@@ -45,7 +53,7 @@ class AgentFacts:
     environment_id: str
     environment_keywords: Mapping[str, Keyword]
     layout: ObservationLayout
-    run: Run
+    run: TrainingRecord
     scores: Mapping[str, Score] = field(default_factory=dict)
     action: tuple[Part, ...] = ()
 

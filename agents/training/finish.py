@@ -1,4 +1,4 @@
-"""The end of a training run: its best policy, and what came out."""
+"""The end of a training run: files of the best policy and of the result."""
 
 import io
 from typing import Any
@@ -17,14 +17,14 @@ from prp_gym.evaluation.results import write_file, write_json
 def finish_run(
     recipe: Recipe, seed: int, folder: RunFolder, learner: Learner, state: TrainingState
 ) -> dict[str, Any]:
-    """Write the best policy and, last, the result.
+    """Write the best policy and, as the last file, the result.
 
     Args:
-        recipe: by which it was trained.
-        seed: of training.
-        folder: of the run.
-        learner: given the best policy's weights.
-        state: at the end of training.
+        recipe: recipe of the training.
+        seed: training seed.
+        folder: folder of the run.
+        learner: model at the end of training; it is given the weights of the best policy.
+        state: progress of the run at its end.
 
     Returns:
         the content of `result.json`.

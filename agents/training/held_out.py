@@ -1,4 +1,4 @@
-"""How good a policy in training is, on episodes that it is never trained on."""
+"""Evaluation of a policy in training, on episodes that are not used for training."""
 
 from typing import Any
 
@@ -12,11 +12,11 @@ from prp_gym.agents.training.recipes import FIRST_HELD_OUT_SEED, Recipe
 
 
 class HeldOutEpisodes:
-    """Episodes with seeds of their own, played side by side.
+    """Held-out episodes, run in parallel environments.
 
     Args:
-        recipe: whose environment it is.
-        episodes: how many.
+        recipe: recipe of the training, which names the environment.
+        episodes: number of episodes.
     """
 
     def __init__(self, recipe: Recipe, episodes: int) -> None:
@@ -28,11 +28,11 @@ class HeldOutEpisodes:
         self._env = TrackingFeaturesVecEnv(made)
 
     def score(self, model: BaseAlgorithm, normalizer: Normalizer) -> float:
-        """Mean of return / duration over the episodes, in [0, 1], of the policy without exploration.
+        """Mean of return/duration over the episodes, in [0, 1], for the deterministic policy.
 
         Args:
-            model: in training, left as it is.
-            normalizer: of the features, as training has it now.
+            model: model in training, which is not changed.
+            normalizer: present normaliser of the features.
         """
         self._env.seed(FIRST_HELD_OUT_SEED)
         features = np.asarray(self._env.reset())

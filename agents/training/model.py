@@ -1,4 +1,4 @@
-"""An algorithm with its environments, made from a recipe."""
+"""`Learner`: a model in training and its environments, made from a recipe."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""What happens in the course of training: counting, evaluating, keeping checkpoints, telling the progress."""
+"""`TrainingProgress`: evaluations, checkpoints, counters and the progress file during training."""
 
 import time
 from collections.abc import Callable
@@ -18,11 +18,11 @@ _TELL_EVERY = 0.5  # s
 
 
 class Milestones:
-    """Every so many steps.
+    """Regular numbers of steps at which something is done.
 
     Args:
-        every: steps.
-        done: steps until the last one that was dealt with.
+        every: steps between two milestones.
+        done: steps already trained; milestones up to there count as reached.
     """
 
     def __init__(self, every: int, done: int) -> None:
@@ -30,7 +30,7 @@ class Milestones:
         self._next = (done // every + 1) * every
 
     def reached(self, steps: int) -> bool:
-        """Whether there is one at or before so many steps that was not dealt with; now it is."""
+        """Whether a milestone was reached since the last one that this method reported."""
         if steps < self._next:
             return False
         self._next = (steps // self._every + 1) * self._every
@@ -38,18 +38,19 @@ class Milestones:
 
 
 class TrainingProgress(BaseCallback):
-    """Evaluates and keeps checkpoints between a rollout with its updates and the next.
+    """Callback that evaluates the policy and writes checkpoints between two rollouts.
 
-    There nothing is half done: who goes on from a checkpoint goes on as this run would have.
+    At these times all updates are complete, so that a training resumed from a checkpoint has the state that
+    this one had.
 
     Args:
-        learner: that is trained.
-        state: of the run, brought forward.
-        folder: of the run.
-        held_out: on which the policy is evaluated.
-        evaluations: when.
-        checkpoints: when.
-        report: told every evaluation; may raise to end training.
+        learner: model in training and its environments.
+        state: progress of the run, which is updated.
+        folder: folder of the run.
+        held_out: episodes on which the policy is evaluated.
+        evaluations: milestones of evaluations.
+        checkpoints: milestones of checkpoints.
+        report: function that is called with every evaluation; it may raise to end training.
     """
 
     def __init__(
@@ -90,7 +91,7 @@ class TrainingProgress(BaseCallback):
         self._tell()
 
     def _evaluate(self, steps: int) -> None:
-        """Add a row to the curve, and remember the policy if it is the best so far."""
+        """Add a row to the learning curve, and store the policy if its score is the best so far."""
         start = time.perf_counter()
         normalizer = self._learner.normalizer
         score = self._held_out.score(self.model, normalizer)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from prp_gym.agents.policy.agent_card import CurvePoint, Run
+from prp_gym.agents.policy.agent_card import CurvePoint, TrainingRecord
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.sb3.packages import require
@@ -45,10 +45,10 @@ def write_agent(
     save_agent(export_agent(learner.model, normalizer, facts), folder.agent)
 
 
-def _describe(run: Mapping[str, Any], curve: Mapping[str, Any], recipe: Recipe, steps: int) -> Run:
+def _describe(run: Mapping[str, Any], curve: Mapping[str, Any], recipe: Recipe, steps: int) -> TrainingRecord:
     points = tuple(CurvePoint(**row) for row in curve["rows"])
     seconds = next(point.seconds for point in points if point.steps == steps)
-    return Run(run["command"], int(run["seed"]), steps, seconds, recipe.to_plain(), points)
+    return TrainingRecord(run["command"], int(run["seed"]), steps, seconds, recipe.to_plain(), points)
 
 
 def export_run(path: Path) -> None:

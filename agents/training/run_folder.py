@@ -1,4 +1,4 @@
-"""The folder of a training run: what was asked for, what came out, and whether it may go on."""
+"""`RunFolder`: the files of a training run, and whether it is finished or may be resumed."""
 
 import fcntl
 import json
@@ -24,61 +24,61 @@ class RunFolder:
     """The folder of one training seed.
 
     Attributes:
-        path: of the folder.
+        path: path of the folder.
     """
 
     path: Path
 
     @property
     def config(self) -> Path:
-        """The recipe, merged."""
+        """Path of the merged recipe."""
         return self.path / "config.yml"
 
     @property
     def run(self) -> Path:
-        """Command, versions, seed, and settings beside the recipe."""
+        """Path of the file with command, versions, seed, and settings other than the recipe."""
         return self.path / "run.json"
 
     @property
     def curve(self) -> Path:
-        """Evaluations in training."""
+        """Path of the learning curve: the evaluations during training."""
         return self.path / "curve.json"
 
     @property
     def progress(self) -> Path:
-        """Steps trained so far, for who watches."""
+        """Path of the progress file: the number of steps trained so far, for progress bars."""
         return self.path / "progress.json"
 
     @property
     def result(self) -> Path:
-        """What came out; there once training is finished."""
+        """Path of the result, which exists once training is finished."""
         return self.path / "result.json"
 
     @property
     def agent(self) -> Path:
-        """The best policy's files as an agent, without suffix."""
+        """Path of the exported best policy, without suffix."""
         return self.path / "agent"
 
     @property
     def tensorboard(self) -> Path:
-        """TensorBoard's files."""
+        """Path of the folder for TensorBoard's files."""
         return self.path / "tensorboard"
 
     @property
     def is_finished(self) -> bool:
-        """Whether training came to its end."""
+        """Whether the training is complete."""
         return self.result.exists()
 
     @property
     def is_begun(self) -> bool:
-        """Whether there is a run."""
+        """Whether the folder holds a run."""
         return self.config.exists()
 
     def read_result(self) -> dict[str, Any]:
-        """What came out of a finished run.
+        """The result of a finished run.
 
         Raises:
-            RunFolderError: it cannot be read.
+            RunFolderError: the result cannot be read.
         """
         try:
             result: dict[str, Any] = json.loads(self.result.read_bytes())
@@ -87,7 +87,7 @@ class RunFolder:
         return result
 
     def read_steps(self) -> int:
-        """Steps trained so far, as the run last told."""
+        """Number of steps trained so far, as last written; 0 where nothing can be read."""
         try:
             told = self.result if self.is_finished else self.progress
             return int(json.loads(told.read_bytes())["steps"])
@@ -95,12 +95,12 @@ class RunFolder:
             return 0
 
     def begin(self, recipe: Recipe, settings: Mapping[str, Any], facts: Mapping[str, Any]) -> None:
-        """Write what is asked for.
+        """Create the folder and write the recipe and the settings of the run.
 
         Args:
-            recipe: of the training.
-            settings: beside the recipe that a resumed run must share.
-            facts: to keep beside them.
+            recipe: recipe of the training.
+            settings: settings other than the recipe, which must be the same when the run is resumed.
+            facts: other facts to store with the settings.
 
         Raises:
             OutputError: the folder cannot be made or written to.
@@ -109,13 +109,17 @@ class RunFolder:
         versions = list_versions() | {name: version(name) for name in _PACKAGES}
         write_json(self.run, {**facts, "settings": dict(settings), "versions": versions})
         text = require("yaml").safe_dump(to_plain(recipe.to_plain()), sort_keys=False, allow_unicode=True)
-        write_file(self.config, text.encode())  # last: with it, the run is begun
+        write_file(self.config, text.encode())  # last: this file says that the folder holds a run
 
     def check_same(self, recipe: Recipe, settings: Mapping[str, Any]) -> None:
-        """Refuse to go on with other settings than those of the folder.
+        """Refuse settings that differ from those of the folder.
+
+        Args:
+            recipe: recipe of the training.
+            settings: settings other than the recipe.
 
         Raises:
-            RunFolderError: they differ, or the folder's cannot be read.
+            RunFolderError: settings that differ, or settings of the folder that cannot be read.
         """
         yaml = require("yaml")
         try:
@@ -129,10 +133,10 @@ class RunFolder:
 
     @contextmanager
     def hold(self) -> Iterator[None]:
-        """Keep other processes of this machine from the run, until the block or this process ends.
+        """Lock the run against other processes of this machine, until the block or this process ends.
 
         Raises:
-            RunFolderError: another one holds it.
+            RunFolderError: another process holds the lock.
             OutputError: the folder cannot be made or written to.
         """
         prepare_folder(self.path)
@@ -147,10 +151,10 @@ class RunFolder:
                 (self.path / _LOCK).unlink(missing_ok=True)
 
     def remove(self) -> None:
-        """Forget the run.
+        """Remove the files of the run.
 
         Raises:
-            InvalidValueError: a folder that holds something else.
+            InvalidValueError: a folder that holds files but no run.
         """
         if self.path.exists():
             if {path.name for path in self.path.iterdir()} - {_LOCK} and not (
@@ -167,7 +171,7 @@ class RunFolder:
 
 
 def _differences(there: Mapping[str, Any], requested: Mapping[str, Any], prefix: str = "") -> list[str]:
-    """What differs between two nested mappings, in words."""
+    """Descriptions of the differences between two nested mappings."""
     found = []
     for key in dict.fromkeys((*there, *requested)):
         old, new = there.get(key), requested.get(key)

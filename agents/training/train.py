@@ -1,4 +1,4 @@
-"""Training of one agent, from a recipe to a finished run folder."""
+"""`train`: training of one agent, from a recipe to a finished run folder."""
 
 from collections.abc import Callable
 from contextlib import closing
@@ -35,15 +35,15 @@ class TrainingJob:
     """One training seed of a recipe.
 
     Attributes:
-        recipe: how to train.
-        seed: of training.
-        folder: of the run.
-        eval_every: steps between evaluations.
-        eval_episodes: held-out episodes of an evaluation.
-        checkpoint_every: steps between checkpoints.
-        existing: what to do with an unfinished run in the folder, one of `ON_EXISTING`.
+        recipe: recipe of the training.
+        seed: training seed.
+        folder: path of the run's folder.
+        eval_every: number of steps between two evaluations.
+        eval_episodes: number of held-out episodes in an evaluation.
+        checkpoint_every: number of steps between two checkpoints; 0 for the same as `eval_every`.
+        existing: treatment of an unfinished run in the folder, one of `ON_EXISTING`.
         tensorboard: whether to write TensorBoard's files.
-        command: by which it was asked for.
+        command: command line that started the training, for the record.
     """
 
     recipe: Recipe
@@ -58,7 +58,7 @@ class TrainingJob:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """What beside the recipe decides about the result."""
+        """Settings other than the recipe that determine the result."""
         return {
             "seed": self.seed,
             "eval_every": self.eval_every,
@@ -68,42 +68,45 @@ class TrainingJob:
 
 
 def _ignore(_: CurveRow) -> None:
-    """Nobody is told."""
+    """Discard an evaluation."""
 
 
 def is_ready(job: TrainingJob) -> bool:
-    """Whether a job's run is finished already.
+    """Whether the run of a job is already finished.
+
+    Args:
+        job: training job.
 
     Raises:
-        RunFolderError: there is an unfinished run that may not be resumed, or one with other settings.
+        RunFolderError: an unfinished run that may not be resumed, or a run with other settings.
     """
     folder = RunFolder(job.folder)
     if job.existing == "fresh" or not folder.is_begun:
         return False
     folder.check_same(job.recipe, job.settings)
     if not folder.is_finished and job.existing != "resume":
-        raise RunFolderError(job.folder, "it holds an unfinished run. To go on with it, give --resume")
+        raise RunFolderError(job.folder, "it holds an unfinished run. To resume it, give --resume")
     return folder.is_finished
 
 
 def train(job: TrainingJob, report: Callable[[CurveRow], None] = _ignore) -> dict[str, Any]:
     """Train an agent, unless its run is finished.
 
-    A run that goes on after an interruption begins new episodes, with seeds of their own; all else is as the
-    last checkpoint has it.
+    A run that is resumed after an interruption starts new episodes with seeds of their own; everything else
+    is as in the last checkpoint.
 
     Args:
-        job: what to do.
-        report: told every evaluation; may raise to end training.
+        job: training job.
+        report: function that is called with every evaluation; it may raise to end training.
 
     Returns:
         the content of the run's `result.json`.
 
     Raises:
-        RunFolderError: a run in the folder that may not be resumed, or of other settings.
+        RunFolderError: a run in the folder that may not be resumed, or that has other settings.
         CheckpointError: a damaged checkpoint.
         OutputError: the folder cannot be written to.
-        PRPError: what the environment refuses.
+        PRPError: keywords that the environment refuses.
     """
     folder = RunFolder(job.folder)
     if is_ready(job):
@@ -113,7 +116,7 @@ def train(job: TrainingJob, report: Callable[[CurveRow], None] = _ignore) -> dic
 
 
 def _train(job: TrainingJob, folder: RunFolder, report: Callable[[CurveRow], None]) -> dict[str, Any]:
-    """Train in a folder that nobody else trains in."""
+    """Train in a folder that this process has locked."""
     if job.existing == "fresh":
         folder.remove()
     if not folder.is_begun:
@@ -149,11 +152,11 @@ def _learn(
     state: TrainingState,
     report: Callable[[CurveRow], None],
 ) -> None:
-    """Train to the end of the recipe's steps."""
+    """Train until the number of steps of the recipe is reached."""
     model = learner.model
     model.set_logger(_make_logger(job, folder))
     done = model.num_timesteps
-    write_json(folder.curve, state.plain_curve())  # without what came after the last checkpoint
+    write_json(folder.curve, state.plain_curve())  # without the rows after the last checkpoint
     evaluations = Milestones(job.eval_every, done)
     checkpoints = Milestones(job.checkpoint_every or job.eval_every, done)
     with closing(HeldOutEpisodes(job.recipe, job.eval_episodes)) as held_out:

@@ -1,4 +1,4 @@
-"""What a run of training has come to: its curve, its violations, its best policy."""
+"""`TrainingState`: the progress of a training run: learning curve, violations and best policy."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -15,12 +15,12 @@ _TRUNCATED = "TimeLimit.truncated"
 
 @dataclass
 class Violations:
-    """What went wrong in training, summed over all steps of all environments.
+    """Violated limits in training, summed over all steps of all environments.
 
     Attributes:
-        joint_stop: joints beyond a stop.
-        force_bound: steps with a force beyond the task's bound.
-        divergences: simulations that diverged.
+        joint_stop: number of joints beyond a joint stop, summed over the steps.
+        force_bound: number of steps with a contact force beyond the bound of the task.
+        divergences: number of simulations that diverged.
     """
 
     joint_stop: float = 0.0
@@ -28,7 +28,7 @@ class Violations:
     divergences: int = 0
 
     def add(self, infos: Sequence[Mapping[str, Any]], dones: NDArray[np.bool_]) -> None:
-        """Count one step of all environments."""
+        """Count the violations of one step of all environments."""
         for name, key in _COSTS.items():
             if key in infos[0]:
                 setattr(self, name, getattr(self, name) + float(sum(info[key] for info in infos)))
@@ -40,10 +40,10 @@ class CurveRow:
     """One evaluation of a policy in training.
 
     Attributes:
-        steps: of training so far.
-        seconds: of training so far, evaluations included, those before a resume too [s].
-        score: mean of return / duration over held-out episodes.
-        violations: in training so far.
+        steps: number of training steps so far.
+        seconds: wall-clock time of training so far, including evaluations and runs before a resume [s].
+        score: mean of return/duration over held-out episodes.
+        violations: number of violated limits in training so far, by the kind of limit.
     """
 
     steps: int
@@ -57,10 +57,10 @@ class BestPolicy:
     """The policy with the best score so far.
 
     Attributes:
-        steps: of training that it had.
-        score: of it.
+        steps: number of training steps after which it was stored.
+        score: score of the policy on the held-out episodes.
         weights: state dictionary of the policy.
-        normalizer: of its features.
+        normalizer: normaliser of the policy's features.
     """
 
     steps: int
@@ -71,15 +71,15 @@ class BestPolicy:
 
 @dataclass
 class TrainingState:
-    """What a run has come to, beside what the model itself knows.
+    """The progress of a run, without what the model itself stores.
 
     Attributes:
         curve: evaluations, in order.
-        violations: so far.
-        seconds: of training so far, before a resume too [s].
-        evaluation_seconds: of them for evaluations [s].
-        resumes: how often training went on.
-        best: list of the best policy, empty before the first evaluation.
+        violations: violated limits so far.
+        seconds: wall-clock time of training so far, including runs before a resume [s].
+        evaluation_seconds: part of that time which evaluations took [s].
+        resumes: number of times that training was resumed.
+        best: list that holds the best policy; empty before the first evaluation.
     """
 
     curve: list[CurveRow] = field(default_factory=list)
@@ -90,5 +90,5 @@ class TrainingState:
     best: list[BestPolicy] = field(default_factory=list)
 
     def plain_curve(self) -> dict[str, Any]:
-        """Content of the curve's file."""
+        """Content of the file with the learning curve."""
         return {"unit_of_seconds": "s", "rows": [asdict(row) for row in self.curve]}

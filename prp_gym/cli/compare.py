@@ -140,7 +140,7 @@ def _show(outcome: Outcome, run: Run) -> None:
     notes += [f"{name}: {reason}." for name, reason in _reasons(outcome)]
     if run.busy:
         notes.append(
-            "µs: of an action, measured beside other work; for that of a policy alone, choose --jobs 1."
+            "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
         )
     for note in notes:
         console.print(note, highlight=False)

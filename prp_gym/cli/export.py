@@ -10,7 +10,7 @@ import gymnasium
 import typer
 
 from prp_gym.agents.algorithms import ALGORITHMS
-from prp_gym.agents.policy.agent_card import Run
+from prp_gym.agents.policy.agent_card import TrainingRecord
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import AgentFacts, export_agent, identity_normalizer
@@ -73,10 +73,10 @@ def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Nor
     return model, identity_normalizer(sum(model.observation_space.shape or ()))
 
 
-def _run_of(model: Any, seed: int | None) -> Run:
+def _run_of(model: Any, seed: int | None) -> TrainingRecord:
     """What is known of a training that this package did not do."""
     known = model.seed if seed is None else seed
     if known is None:
         raise InvalidValueError("seed", None, "a whole number, with --seed: the model does not know its own")
     command = shlex.join(["prp-gym", *sys.argv[1:]])
-    return Run(command, known, model.num_timesteps, 0.0, {}, ())
+    return TrainingRecord(command, known, model.num_timesteps, 0.0, {}, ())

@@ -14,7 +14,7 @@ from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
 from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
 from prp_gym.reproduction.report import write_figure, write_index, write_summary
-from prp_gym.reproduction.run import RecordedRun, check_names, play
+from prp_gym.reproduction.run import RecordedRun, check_names, record_run
 from prp_gym.reproduction.table import answers_table, verdict_table
 
 _FAILED = 1
@@ -51,19 +51,19 @@ def reproduce_command(
 
 
 def _reproduce(chosen: list[Experiment], catalogue: Catalogue, output: Path) -> list[FigureOutcome]:
-    """Play every run once, judge and draw every figure, under a progress bar."""
+    """Simulate every run once, judge and draw every figure, under a progress bar."""
     names = list(dict.fromkeys(name for experiment in chosen for name in experiment.runs))
-    played: dict[str, RecordedRun] = {}
+    recorded: dict[str, RecordedRun] = {}
     outcomes = []
     with make_progress() as progress:
-        bar = progress.add_task("playing", total=len(names) + len(chosen))
+        bar = progress.add_task("simulating", total=len(names) + len(chosen))
         for name in names:
-            progress.update(bar, description=f"playing {name}")
-            played[name] = play(catalogue.runs[name])
+            progress.update(bar, description=f"simulating {name}")
+            recorded[name] = record_run(catalogue.runs[name])
             progress.advance(bar)
         for experiment in chosen:
             progress.update(bar, description=f"drawing figure {experiment.number}")
-            outcomes.append(judge(experiment, played))
+            outcomes.append(judge(experiment, recorded))
             write_figure(output, outcomes[-1])
             progress.advance(bar)
     return outcomes

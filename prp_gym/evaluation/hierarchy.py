@@ -1,9 +1,9 @@
 """Interquartile means of trained agents: scores spread over training seeds and over episodes.
 
-Scores are (training seeds, episodes). A law that is not trained has one row: a level with one member adds
-no spread, so that its interval is one over episodes only and says nothing about training. Few training
-seeds make the intervals too narrow: where their spread dominates, 95 % intervals of 3, 5, 10 or 20 of them
-cover the truth in about 75, 85, 90 or 93 % of all cases.
+Scores are (training seeds, episodes). A controller that is not trained has one row: a level with one member
+adds no spread, so that its interval is over episodes only and says nothing about training. With few training
+seeds the intervals are too narrow: where the spread over training seeds dominates, 95 % intervals of 3, 5, 10
+or 20 of them cover the true value in about 75, 85, 90 or 93 % of all cases.
 """
 
 from collections.abc import Callable
@@ -32,9 +32,9 @@ def bootstrap_nested(
     """Interquartile mean of all scores, its interval over training seeds and episodes of their own.
 
     A resample draws training seeds, then for each seed drawn, as often as it is, episodes among its own.
-    The interval is meant for episodes that differ from one training seed to the next; where all of them met
-    the same evaluation seeds, `bootstrap_crossed` keeps what those seeds have in common. If training
-    seeds differ no more than their episodes explain, the interval is up to √2 times too wide.
+    The interval is meant for episodes that differ from one training seed to the next; where all agents were
+    evaluated on the same evaluation seeds, `bootstrap_crossed` keeps what those seeds have in common. If
+    training seeds differ no more than their episodes explain, the interval is up to √2 times too wide.
 
     Args:
         scores: (training seeds, episodes) [1].

@@ -27,7 +27,7 @@ def probability_of_improvement(
     On a task it is U / (N M), U being the Mann-Whitney statistic of N runs of x against M of y: any run of
     the one is compared with any of the other. The bootstrap draws the runs of x and those of y anew,
     apart from each other, within each task. Runs are taken as independent of one another; where both
-    policies met the same evaluation seeds, see `paired_probability_of_improvement`.
+    policies were evaluated on the same seeds, see `paired_probability_of_improvement`.
 
     Args:
         x: one array (N) [1] for each task.

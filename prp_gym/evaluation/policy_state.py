@@ -1,4 +1,4 @@
-"""What a policy remembers from one call of `predict` to the next."""
+"""The state of a policy from one call of `predict` to the next."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Performance profiles: how many runs are better than each score."""
+"""Performance profiles: the share of runs above each score."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What N episodes leave behind, written down period by period."""
+"""`Recorder`: fields, torques and rewards of N episodes, recorded period by period."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,8 +13,8 @@ from prp_gym.robot.arrays import Array
 class Recorder:
     """Episodes of N environments that start together; time along the first axis.
 
-    What is written down are the periods in which torques are set: with an inner law they are more than there
-    are actions, so that episodes compare whatever an action means.
+    The recorded periods are those for which torques are set. With an inner controller there are more of them
+    than actions, so that episodes of different action modes can be compared.
 
     Args:
         env: an environment of this suite, without wrappers.
@@ -24,17 +24,17 @@ class Recorder:
     def __init__(self, env: Any, loop: Any) -> None:
         rows, joints, horizon = loop.num_envs, loop.joints, loop.config.horizon
         self._env, self._loop = env, loop
-        self._truth = np.empty((horizon + 1, *loop.ground_truth.shape))
+        self._ground_truth = np.empty((horizon + 1, *loop.ground_truth.shape))
         self._torque = np.empty((horizon, rows, joints))
         self._applied = np.empty((horizon, rows, joints))
         self._info = np.empty((horizon, rows, len(loop.info_fields)))
         self._count = 0
         self._ended = np.full(rows, -1)
-        self._truth[0] = loop.ground_truth
+        self._ground_truth[0] = loop.ground_truth
 
     @contextmanager
     def listening(self) -> Iterator[None]:
-        """Write down whatever is played meanwhile."""
+        """Record every period that the loop simulates in the context."""
         self._loop.listen(self._take)
         try:
             yield
@@ -42,9 +42,9 @@ class Recorder:
             self._loop.listen(None)
 
     def _take(self, step: Any) -> None:
-        """Write down one period; what comes after a divergence belongs to no episode."""
+        """Record one period; periods after a divergence belong to no episode."""
         index, loop = self._count, self._loop
-        self._truth[index + 1] = loop.ground_truth
+        self._ground_truth[index + 1] = loop.ground_truth
         self._torque[index] = loop.commanded_torque
         self._applied[index] = loop.physics.torque
         self._info[index] = step.info
@@ -57,7 +57,7 @@ class Recorder:
         Args:
             row: of the environment.
             seed: with which it was reset.
-            compute_time: of the policy for one action [s].
+            compute_time: compute times of the policy for one action each [s].
         """
         inner, loop, diverged = self._env, self._loop, bool(self._ended[row] >= 0)
         steps = slice(0, int(self._ended[row]) if diverged else self._count)
@@ -71,7 +71,7 @@ class Recorder:
             seed=seed,
             period=1.0 / loop.config.control_frequency,
             duration=float(inner.duration),
-            fields=inner.task.ground_truth_layout.split(self._truth[: steps.stop + 1, row].copy()),
+            fields=inner.task.ground_truth_layout.split(self._ground_truth[: steps.stop + 1, row].copy()),
             torque=self._torque[steps, row].copy(),
             applied_torque=self._applied[steps, row].copy(),
             reward=np.sum(rewards, axis=0),

@@ -1,4 +1,4 @@
-"""What every bootstrap does: check the runs, draw them anew in blocks, cut off the tails."""
+"""Steps of every bootstrap: check the runs, draw them anew in blocks, cut off the tails."""
 
 from collections.abc import Iterator, Mapping, Sequence
 
@@ -17,7 +17,7 @@ Runs = Mapping[str, Array]
 
 
 def check_bootstrap(confidence: float, resamples: int) -> None:
-    """Refuse what is no confidence or no number of resamples.
+    """Refuse an invalid confidence or number of resamples.
 
     Raises:
         InvalidValueError: a confidence outside (0, 1), or no resamples.
@@ -52,7 +52,7 @@ def check_runs(runs: Runs, policy: str = "scores") -> dict[str, Array]:
 
     Args:
         runs: one array (runs of the task) for each task.
-        policy: whose they are, for the messages.
+        policy: name of the policy whose scores they are, for messages.
 
     Raises:
         InvalidValueError: no tasks, or a task without runs.
@@ -65,7 +65,7 @@ def check_runs(runs: Runs, policy: str = "scores") -> dict[str, Array]:
 
 
 def check_same_tasks(x: Runs, y: Runs) -> None:
-    """Refuse two policies that did not meet the same tasks.
+    """Refuse two policies that were not evaluated on the same tasks.
 
     Raises:
         InvalidValueError: a task of one is not a task of the other.

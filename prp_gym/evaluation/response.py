@@ -1,4 +1,4 @@
-"""What a recorded motion or force says about its reference, whatever the quantity.
+"""Errors, settling and steady state of a recorded motion or force relative to its reference.
 
 Time runs along the second-to-last axis of vectors (..., T, d) and along the last of what is one number
 a sample (..., T); every function broadcasts over the dimensions before it.

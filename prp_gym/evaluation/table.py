@@ -1,4 +1,4 @@
-"""Evaluations as a table for the terminal."""
+"""Evaluations as a table for the terminal, with the columns that the task declares."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -86,7 +86,7 @@ def evaluation_table(
         title: what was evaluated.
         rows: of one environment and scenario.
         metrics: whose medians are shown, as the task declares them; those that no row has are left out.
-        who: what the rows are, above their names.
+        who: header of the names of the rows.
 
     Returns:
         a table for a terminal of 120 columns. Vectors are the joints [mrad, mm, mrad]; what is below 0.005

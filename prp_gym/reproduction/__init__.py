@@ -3,7 +3,7 @@
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Answer, Check, Experiment, Level, Panel, Run
 from prp_gym.reproduction.outcome import FigureOutcome, Verdict, judge
-from prp_gym.reproduction.run import RecordedRun, play
+from prp_gym.reproduction.run import RecordedRun, record_run
 
 __all__ = [
     "Answer",
@@ -18,5 +18,5 @@ __all__ = [
     "Verdict",
     "judge",
     "load_catalogue",
-    "play",
+    "record_run",
 ]

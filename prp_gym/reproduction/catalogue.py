@@ -1,4 +1,4 @@
-"""The experiments, read from the data files beside this module and checked name by name."""
+"""The experiments, read from the data files beside this module; every name in them is checked."""
 
 import inspect
 import tomllib
@@ -9,7 +9,7 @@ from importlib.resources import files
 from typing import Any, TypeVar
 
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.reproduction import contact_predictions  # noqa: F401 - enters its formulas
+from prp_gym.reproduction import contact_predictions  # noqa: F401 - registers its formulas
 from prp_gym.reproduction.experiment import (
     Answer,
     Check,
@@ -50,7 +50,7 @@ class Catalogue:
 
     Attributes:
         runs: by name.
-        experiments: by figure number, rising.
+        experiments: by figure number, in increasing order.
         answers: in the order of the report's questions.
     """
 
@@ -104,7 +104,7 @@ def _number(experiment: Experiment) -> int:
 
 
 def _entry(table: Table, key: str, kind: type[T], what: str) -> T:
-    """A value that must be there and of a kind."""
+    """A required value of a given type."""
     if key not in table:
         raise InvalidValueError(f"key {key!r} of {what}", "missing", "present")
     value = table[key]
@@ -114,7 +114,7 @@ def _entry(table: Table, key: str, kind: type[T], what: str) -> T:
 
 
 def _tables(table: Table, key: str, what: str = "a chapter") -> list[Table]:
-    """A list of tables that must be there."""
+    """A required list of tables."""
     rows = _entry(table, key, list, what)
     for row in rows:
         if not isinstance(row, dict):
@@ -130,7 +130,7 @@ def _run(name: str, row: Any) -> Run:
 
 
 def _make(kind: type[T], table: Table, what: str) -> T:
-    """A dataclass from a table: no key too many, none missing."""
+    """A dataclass from a table with exactly its keys."""
     entries = {entry.name: entry for entry in fields(kind)}  # type: ignore[arg-type]
     _check_known(f"key of {what}", table, entries)
     for name, entry in entries.items():
@@ -140,7 +140,7 @@ def _make(kind: type[T], table: Table, what: str) -> T:
 
 
 def _tuples(table: Table, *names: str) -> dict[str, Any]:
-    """A table whose lists, or single values, of some names are tuples."""
+    """A table in which lists and single values of some names are made tuples."""
     given = {name: table[name] for name in names if name in table}
     as_tuples = {name: tuple(value) if isinstance(value, list) else (value,) for name, value in given.items()}
     return {**table, **as_tuples}
@@ -157,7 +157,7 @@ def _experiment(table: Table, runs: Mapping[str, Run]) -> Experiment:
 
 
 def _check_drawn(runs: Sequence[Run], what: str) -> None:
-    """Refuse runs that one figure cannot show beside each other."""
+    """Refuse runs that cannot be drawn in one figure."""
     rates = {run.control_frequency for run in runs}
     if len(rates) > 1:
         raise InvalidValueError(f"control frequencies in {what}", sorted(rates), "one", "Hz")

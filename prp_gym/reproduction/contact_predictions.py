@@ -1,4 +1,4 @@
-"""Closed forms of the contact experiments, entered among `FORMULAS`."""
+"""Closed forms of the contact experiments, registered in `FORMULAS`."""
 
 from collections.abc import Sequence
 from functools import cache
@@ -20,7 +20,7 @@ def spring_force(controller_stiffness: float, surface_stiffness: float, depth: f
     """Force of two springs in series: f = K_P K/(K_P + K) (x_d - x_e).
 
     Args:
-        controller_stiffness: K_P along the normal, of the law or of the compliant frame [N/m].
+        controller_stiffness: K_P along the normal, of the controller or of the compliant frame [N/m].
         surface_stiffness: K [N/m].
         depth: of the goal behind the surface, x_d - x_e [m].
 
@@ -36,7 +36,7 @@ def spring_force(controller_stiffness: float, surface_stiffness: float, depth: f
 def spring_position(
     controller_stiffness: float, surface_stiffness: float, desired: float, surface: float
 ) -> float:
-    """Place of two springs in series: x = (K_P x_d + K x_e)/(K_P + K).
+    """Position of two springs in series: x = (K_P x_d + K x_e)/(K_P + K).
 
     Args:
         controller_stiffness: K_P along the normal [N/m].
@@ -182,7 +182,7 @@ def _model_forces(
 def force_without_integral(
     origin: float, desired_force: float, surface: float, surface_stiffness: float, force_gain: float
 ) -> float:
-    """Rest of the proportional force loop: f = K (x_0 + K_F f_d - x_e)/(1 + K K_F).
+    """Equilibrium of the proportional force loop: f = K (x_0 + K_F f_d - x_e)/(1 + K K_F).
 
     Args:
         origin: x_0, to which the force loop adds its offset, along the normal [m].
@@ -231,7 +231,7 @@ def slowest_force_mode(
 
 @formula
 def pressed_position(surface: float, desired_force: float, surface_stiffness: float) -> float:
-    """Where the surface answers with f_d: x = x_e + f_d/K.
+    """Position at which the surface exerts f_d: x = x_e + f_d/K.
 
     Args:
         surface: x_e [m].

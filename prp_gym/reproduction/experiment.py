@@ -1,4 +1,4 @@
-"""What an experiment of the report is: runs, panels, checks, answers; the data files make these values."""
+"""The experiments of the report as values: runs, panels, checks and answers, made from the data files."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -17,19 +17,19 @@ Measure = Callable[..., Array]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One episode of the scenario `report`, by one law.
+    """One episode of the scenario `report` with one controller.
 
     Attributes:
-        name: by which figures and checks refer to it.
-        label: in legends.
-        environment: id.
+        name: under which figures and checks refer to the run.
+        label: of its curves in legends.
+        environment: id of the environment.
         controller: name of the baseline.
-        gains: name of its gain set.
-        duration: [s].
-        control_frequency: [Hz].
+        gains: name of the gain set.
+        duration: of the episode [s].
+        control_frequency: of the controller [Hz].
         unlimited_torque: whether the actuator limits are lifted.
-        keywords: of the environment, beside these.
-        options: for `reset`.
+        keywords: further keywords of the environment.
+        options: of `reset`.
         overrides: settings in place of the gain set's; `model_masses` (3) [kg] stands for a model of
             the arm with other link masses.
         states: names for the arrays of the policy's state, in order, that are recorded beside the fields.
@@ -69,9 +69,9 @@ class Panel:
     """Axes of a figure: one for each component of a signal.
 
     Attributes:
-        signal: what is drawn over time; see `prp_gym.reproduction.signals`.
-        components: of it, one axes each.
-        runs: names; the first is the figure's subject, the others are for comparison.
+        signal: drawn over time; see `prp_gym.reproduction.signals`.
+        components: of the signal, each in axes of its own.
+        runs: names of the runs; the first is the subject of the figure, the others are for comparison.
         reference: signal drawn dashed, from the first run; empty for none.
         levels: lines drawn in every axes of the panel.
         predictions: names of checks of this signal, whose predictions are drawn where they belong.
@@ -89,11 +89,11 @@ class Panel:
 
 @dataclass(frozen=True)
 class Number:
-    """A predicted value that no formula here gives.
+    """A predicted value that does not follow from a formula of this package.
 
     Attributes:
-        value: one a component.
-        source: where it is from.
+        value: one number per component.
+        source: of the value.
     """
 
     value: tuple[float, ...]
@@ -101,7 +101,7 @@ class Number:
 
     @property
     def text(self) -> str:
-        """Where the value is from, for tables."""
+        """Source of the value, for tables."""
         return self.source
 
     def compute(self) -> Array:
@@ -123,7 +123,7 @@ class Prediction:
 
     @property
     def text(self) -> str:
-        """The formula and where it is from, for tables."""
+        """The formula and its source, for tables."""
         return f"{self.formula.text} ({self.formula.source})"
 
     def compute(self) -> Array:
@@ -159,14 +159,14 @@ class Check:
     Attributes:
         name: unique; answers refer to it.
         question: section of the report whose question it answers.
-        what: is compared, in words.
+        what: the compared quantity, in words.
         unit: one for all components, or one each.
-        measure: from a run.
-        predict: the prediction.
+        measure: measurement of the quantity in a run.
+        predict: prediction of the quantity.
         absolute: allowed deviation, one for all components or one each, in the unit.
-        relative: allowed deviation as a share of the prediction, on top.
+        relative: further allowed deviation, as a share of the prediction.
         reason: of the tolerance.
-        explanation: why physics and prediction part farther than that; empty if they must not.
+        explanation: why the measurement deviates by more than that; empty if it must not.
         explained_tolerance: the deviation, in the unit, up to which the explanation holds, one for all
             components or one each; empty without an explanation.
     """
@@ -197,7 +197,7 @@ class Check:
             )
 
     def require_sizes(self, predicted: Array, measured: Array) -> None:
-        """Refuse numbers that cannot stand beside each other one by one.
+        """Refuse numbers that cannot be compared one by one.
 
         Raises:
             ShapeError: another number of measured values, units or tolerances than of predictions.
@@ -242,13 +242,13 @@ class Experiment:
 
     Attributes:
         number: of the figure.
-        title: what it shows.
+        title: of the figure.
         section: of the report.
         until: end of the time axis [s].
         panels: from top to bottom.
-        checks: on what it shows.
-        reading: what can be read off the report's own figure.
-        explanation: why that differs from what comes out here; empty if it does not.
+        checks: predictions beside measurements.
+        reading: values read off the report's own figure.
+        explanation: why the report's figure differs from this one; empty if it does not.
     """
 
     number: int
@@ -262,7 +262,7 @@ class Experiment:
 
     @property
     def runs(self) -> tuple[str, ...]:
-        """Names of the runs that it needs, each once."""
+        """Names of the runs of the figure, each once."""
         drawn = [name for panel in self.panels for name in panel.runs]
         return tuple(dict.fromkeys(drawn + [check.measure.run for check in self.checks]))
 

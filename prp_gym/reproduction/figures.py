@@ -1,4 +1,4 @@
-"""Figures of played experiments as PNG, and what they show as CSV."""
+"""Figures of the recorded runs as PNG, and their data as CSV."""
 
 import csv
 import io
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 _SIZE = (10.0, 7.0)  # inches
 _DPI = 100
 COLORS = ("#0b5fa5", "#d1661f", "#5a9e3d", "#8d5bb8")
-"""Of the runs of a figure, in the order in which they appear; it cannot show more."""
+"""Colours of the runs of a figure in their order; a figure cannot have more runs."""
 
 REFERENCE_LABEL = "reference"
-"""In the legend and in the columns of the data, so that no run has it."""
+"""Label of the reference in legends and data; no run may have the same."""
 
 _REFERENCE = "#222222"
 _PREDICTED = "#b01030"
@@ -35,7 +35,7 @@ class Curve(NamedTuple):
     """One line of a figure.
 
     Attributes:
-        run: whose it is.
+        run: name of the run.
         label: in the legend and as the column of the CSV.
         time: (n) [s].
         values: (n), in the unit of the axes.
@@ -51,10 +51,10 @@ class Axis(NamedTuple):
     """One axes of a figure, as data.
 
     Attributes:
-        symbol: of what is drawn (mathematical text).
-        unit: of it.
+        symbol: of the drawn quantity (mathematical text).
+        unit: of the quantity.
         column: name without mathematical text.
-        curves: one a run.
+        curves: one for each run.
         reference: curves drawn dashed, at most one.
         levels: horizontal lines, (label, value).
         limits: of the axis; empty to fit.
@@ -70,7 +70,7 @@ class Axis(NamedTuple):
 
 
 def axes_of(outcome: FigureOutcome) -> list[Axis]:
-    """What a figure shows, from top to bottom."""
+    """The axes of a figure, from top to bottom."""
     return [axis for panel in outcome.experiment.panels for axis in _panel_axes(outcome, panel)]
 
 
@@ -98,10 +98,10 @@ def _panel_axes(outcome: FigureOutcome, panel: Panel) -> Iterator[Axis]:
 
 
 def _curve(outcome: FigureOutcome, run: str, signal: str, component: int, until: float) -> Curve:
-    played = outcome.played[run]
-    time, values = series(played.rollout, signal, [component])
-    shown = time <= until + played.rollout.period / 2
-    return Curve(run, played.run.label, time[shown], values[shown, 0])
+    recorded = outcome.recorded[run]
+    time, values = series(recorded.rollout, signal, [component])
+    shown = time <= until + recorded.rollout.period / 2
+    return Curve(run, recorded.run.label, time[shown], values[shown, 0])
 
 
 def _predicted(outcome: FigureOutcome, panel: Panel, component: int) -> list[tuple[str, float]]:
@@ -175,7 +175,7 @@ def _with_subscripts(text: str) -> str:
 
 
 def table(outcome: FigureOutcome) -> str:
-    """What a figure shows, as CSV: a column of time [s], one a curve, empty where it has no value."""
+    """The data of a figure as CSV: a column of time [s] and one for each curve, empty without a value."""
     columns: dict[str, Curve] = {}
     for item in axes_of(outcome):
         for curve in (*item.curves, *item.reference):

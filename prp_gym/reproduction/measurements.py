@@ -14,14 +14,14 @@ from prp_gym.reproduction.signals import series
 from prp_gym.robot.arrays import Array
 
 MEASUREMENTS: dict[str, Callable[..., Array]] = {}
-"""By name. Each takes a rollout first and returns one number a component, in the signal's units."""
+"""Measurements by name: functions of a rollout that return one number per component, in the unit of it."""
 
 Components = Sequence[int]
 MeasureT = TypeVar("MeasureT", bound=Callable[..., Array])
 
 
 def _measurement(function: MeasureT) -> MeasureT:
-    """Enter a function under its name."""
+    """Register a function under its name."""
     MEASUREMENTS[function.__name__] = function
     return function
 
@@ -104,14 +104,14 @@ def overshoot(rollout: Rollout, signal: str, until: float = np.inf, components: 
 
 @_measurement
 def peak_time(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
-    """When an error signal is farthest beyond zero [s]."""
+    """Time at which an error signal is farthest beyond zero [s]."""
     when: Array = rollout.time[_response(rollout, signal, until, components).argmax(axis=0)]
     return when
 
 
 @_measurement
 def settling_time(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
-    """When an error signal has come within 2 % of its first value for good [s]; infinite if never."""
+    """Time after which an error signal stays within 2 % of its first value [s]; infinite if it never does."""
     responses = _response(rollout, signal, until, components)
     return joint.settling_time(rollout.time[: len(responses)], *_one_by_one(responses))
 

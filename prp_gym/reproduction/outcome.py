@@ -1,4 +1,4 @@
-"""What came out: the verdicts on a figure's checks, and the answers with their numbers."""
+"""Results of a reproduction: the verdicts on a figure's checks, and the answers with their numbers."""
 
 import string
 from collections.abc import Iterable, Mapping, Sequence
@@ -20,11 +20,11 @@ class Verdict:
     """A check with its numbers.
 
     Attributes:
-        check: what was compared.
-        predicted: one a component.
-        measured: one a component.
-        tolerance: one a component.
-        widest: what an explanation allows, one a component; the tolerance where there is none.
+        check: the check.
+        predicted: predicted value of each component.
+        measured: measured value of each component.
+        tolerance: allowed deviation of each component.
+        widest: deviation of each component that the explanation allows; the tolerance without one.
     """
 
     check: Check
@@ -35,7 +35,7 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """`pass`; `explained` within the bound of what physics says about a deviation; else `FAIL`."""
+        """`pass` within the tolerance, `explained` within the bound of the explanation, else `FAIL`."""
         for word, bound in (("pass", self.tolerance), ("explained", self.widest)):
             if (np.abs(self.measured - self.predicted) <= bound).all():
                 return word
@@ -44,46 +44,47 @@ class Verdict:
 
 @dataclass(frozen=True, eq=False)
 class FigureOutcome:
-    """A figure with all that was found.
+    """A figure with its recorded runs and verdicts.
 
     Attributes:
         experiment: the figure.
-        played: its runs by name.
-        verdicts: one a check.
+        recorded: its runs by name.
+        verdicts: one for each check.
     """
 
     experiment: Experiment
-    played: Mapping[str, RecordedRun]
+    recorded: Mapping[str, RecordedRun]
     verdicts: tuple[Verdict, ...]
 
 
-def judge(experiment: Experiment, played: Mapping[str, RecordedRun]) -> FigureOutcome:
-    """Measure and compare.
+def judge(experiment: Experiment, recorded: Mapping[str, RecordedRun]) -> FigureOutcome:
+    """Measure the recorded runs of a figure and compare them with the predictions.
 
     Args:
         experiment: the figure.
-        played: recorded runs by name, at least the figure's.
+        recorded: recorded runs by name, at least the figure's.
 
     Returns:
         the figure with its verdicts.
 
     Raises:
-        ShapeError: numbers of a check that cannot stand beside each other one by one.
-        InvalidValueError: a measurement that a run does not allow, an explanation that allows nothing more.
+        ShapeError: numbers of a check that cannot be compared one by one.
+        InvalidValueError: a measurement that a run does not allow, or an explanation that allows no
+            larger deviation than the tolerance.
     """
-    own = {name: played[name] for name in experiment.runs}
+    own = {name: recorded[name] for name in experiment.runs}
     return FigureOutcome(experiment, own, tuple(_verdict(check, own) for check in experiment.checks))
 
 
-def _verdict(check: Check, played: Mapping[str, RecordedRun]) -> Verdict:
+def _verdict(check: Check, recorded: Mapping[str, RecordedRun]) -> Verdict:
     predicted = check.predict.compute()
-    measured = check.measure.compute(played[check.measure.run].rollout)
+    measured = check.measure.compute(recorded[check.measure.run].rollout)
     check.require_sizes(predicted, measured)
     return Verdict(check, predicted, measured, check.tolerance(predicted), check.widest_tolerance(predicted))
 
 
 def placeholders(text: str) -> set[str]:
-    """Names of the checks whose numbers a template asks for."""
+    """Names of the checks whose numbers a template contains."""
     names = (name for _, name, _, _ in string.Formatter().parse(text) if name)
     return {name.split("[")[0] for name in names}
 
@@ -96,7 +97,7 @@ def fill(answers: Sequence[Answer], outcomes: Iterable[FigureOutcome]) -> list[t
         outcomes: of the figures that were run.
 
     Returns:
-        pairs of answer and sentence, in the order of the answers.
+        each answer with its sentence, in the order of the answers.
     """
     values: dict[str, Any] = {}
     for outcome in outcomes:
@@ -112,7 +113,7 @@ class _Numbers(tuple[float, ...]):
     """Numbers of which a template formats the first unless it names another."""
 
     def __new__(cls, values: Array) -> "_Numbers":
-        """From an array; what would be printed as -0 is 0."""
+        """From an array; -0 becomes 0."""
         return super().__new__(cls, (float(value) + 0.0 for value in values))
 
     def __format__(self, spec: str) -> str:

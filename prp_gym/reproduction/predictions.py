@@ -1,4 +1,4 @@
-"""Closed forms of what the experiments must give, by name: pure functions that know nothing of a run."""
+"""Closed forms of the expected results, by name: pure functions that are independent of any run."""
 
 import cmath
 import inspect
@@ -44,7 +44,7 @@ FORMULAS: dict[str, Formula] = {}
 
 
 def formula(function: FunctionT) -> FunctionT:
-    """Enter a function under its name."""
+    """Register a function under its name."""
     lines = inspect.cleandoc(function.__doc__ or "").splitlines()
     source = next(line.removeprefix("Source: ") for line in lines if line.startswith("Source: "))
     FORMULAS[function.__name__] = Formula(
@@ -107,7 +107,7 @@ def _slowest_root(proportional_gain: float, derivative_gain: float) -> tuple[com
 
 
 def _damped_frequency(proportional_gain: float, derivative_gain: float) -> float:
-    """√(K_P - K_D²/4) of a response that swings [rad/s]."""
+    """√(K_P - K_D²/4), the damped natural frequency of an underdamped response [rad/s]."""
     frequency = _slowest_root(proportional_gain, derivative_gain)[1].imag
     if not frequency:
         most = 2.0 * math.sqrt(proportional_gain)
@@ -204,7 +204,7 @@ def second_order_settling_time(proportional_gain: float, derivative_gain: float,
 
 @formula
 def first_torque(step: Sequence[float], proportional_gain: float) -> Array:
-    """First torque: τ(0) = B(0) K_P q̃(0) + g(0).
+    """Initial torque: τ(0) = B(0) K_P q̃(0) + g(0).
 
     Args:
         step: q̃(0) (3), from rest at home [rad, m, rad].
@@ -239,7 +239,7 @@ def holding_torque(joint_position: Sequence[float]) -> Array:
 def rest_error_with_wrong_masses(
     desired: Sequence[float], masses: Sequence[float], proportional_gain: float
 ) -> Array:
-    """Rest with a wrong model: B̂(q) K_P q̃ + ĝ(q) = g(q), q = q_d - q̃.
+    """Equilibrium with model errors: B̂(q) K_P q̃ + ĝ(q) = g(q), q = q_d - q̃.
 
     Args:
         desired: q_d (3) [rad, m, rad].

@@ -17,7 +17,7 @@ _HIDDEN_SETTINGS = ("model",)
 
 
 def write_figure(folder: Path, outcome: FigureOutcome) -> None:
-    """Write `figure_NN.png` and, with what it shows, `figure_NN.csv`.
+    """Write `figure_NN.png` and its data, `figure_NN.csv`.
 
     Raises:
         OutputError: the folder cannot be written to.
@@ -32,17 +32,17 @@ def _name(outcome: FigureOutcome) -> str:
 
 
 def write_summary(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answers, command: str) -> None:
-    """Write `summary.json`: every check and run, the answers, and what they depend on.
+    """Write `summary.json`: every check and run, the answers, versions and machine.
 
     Raises:
         OutputError: the folder cannot be written to.
     """
     about = describe_run(command)
     about["versions"] |= {"matplotlib": version("matplotlib")}
-    del about["units"]  # of metrics; each check names its own
+    del about["units"]  # of metrics; each check states its own
     checks = [_describe_check(outcome, verdict) for outcome in outcomes for verdict in outcome.verdicts]
-    played = {name: item for outcome in outcomes for name, item in outcome.played.items()}
-    runs = {name: _describe_played(item) for name, item in played.items()}
+    recorded = {name: item for outcome in outcomes for name, item in outcome.recorded.items()}
+    runs = {name: _describe_recorded(item) for name, item in recorded.items()}
     texts = {answer.question: {"asks": answer.asks, "answer": text} for answer, text in answers}
     write_json(folder / "summary.json", {**about, "checks": checks, "runs": runs, "answers": texts})
 
@@ -68,41 +68,41 @@ def _describe_check(outcome: FigureOutcome, verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _describe_played(played: RecordedRun) -> dict[str, Any]:
-    run = played.run
+def _describe_recorded(recorded: RecordedRun) -> dict[str, Any]:
+    run = recorded.run
     return {
         "environment": run.environment,
         "scenario": SCENARIO,
-        "keywords": _keywords(played),
+        "keywords": _keywords(recorded),
         "options": run.options,
         "baseline": run.controller,
         "gains": run.gains,
-        "gains_source": played.gains_source,
+        "gains_source": recorded.gains_source,
         "overrides": run.overrides,
-        "settings": _settings(played),
+        "settings": _settings(recorded),
         "seed": run.seed,
-        "diverged": played.rollout.diverged,
+        "diverged": recorded.rollout.diverged,
     }
 
 
-def _keywords(played: RecordedRun) -> dict[str, Any]:
-    run = played.run
+def _keywords(recorded: RecordedRun) -> dict[str, Any]:
+    run = recorded.run
     limit = {"torque_limit": None} if run.unlimited_torque else {}
     times = {"control_frequency": run.control_frequency, "duration": run.duration}
     return {**times, **limit, **run.keywords}
 
 
-def _settings(played: RecordedRun) -> Mapping[str, Any]:
-    return {name: value for name, value in played.settings.items() if name not in _HIDDEN_SETTINGS}
+def _settings(recorded: RecordedRun) -> Mapping[str, Any]:
+    return {name: value for name, value in recorded.settings.items() if name not in _HIDDEN_SETTINGS}
 
 
 def write_index(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answers, command: str) -> None:
-    """Write `index.md`: answers, then every figure with its set-up, checks and explanation.
+    """Write `index.md`: the answers, then every figure with its runs, checks and explanations.
 
     Raises:
         OutputError: the folder cannot be written to.
     """
-    parts = ["# The report's experiments, run again\n", f"Written by `{command}`.\n", _counts(outcomes)]
+    parts = ["# Reproduction of the report's experiments\n", f"Written by `{command}`.\n", _counts(outcomes)]
     if answers:
         parts.append("## Answers\n")
         parts += [f"**{answer.question} {answer.asks}** {text}\n" for answer, text in answers]
@@ -122,7 +122,7 @@ def _section(outcome: FigureOutcome) -> str:
         f"## Figure {experiment.number}: {experiment.title}\n",
         f"![Figure {experiment.number}]({name}.png)\n",
         f"Section {experiment.section} of the report; data: [{name}.csv]({name}.csv).\n",
-        *(_setup(played) for played in outcome.played.values()),
+        *(_setup(recorded) for recorded in outcome.recorded.values()),
         "",
         _checks(outcome.verdicts),
     ]
@@ -134,7 +134,7 @@ def _section(outcome: FigureOutcome) -> str:
 
 
 def _explanation(verdict: Verdict) -> str:
-    """Of a deviation that it covers; empty where there is none."""
+    """Explanation of a deviation that it covers; empty without such a deviation."""
     if verdict.word != "explained":
         return ""
     check = verdict.check
@@ -142,14 +142,14 @@ def _explanation(verdict: Verdict) -> str:
     return f"{check.what}, {bound}: {check.explanation}"
 
 
-def _setup(played: RecordedRun) -> str:
-    run = played.run
-    keywords = ", ".join(f"{name}={value!r}" for name, value in _keywords(played).items())
-    numbers = {**_settings(played), **run.overrides}
+def _setup(recorded: RecordedRun) -> str:
+    run = recorded.run
+    keywords = ", ".join(f"{name}={value!r}" for name, value in _keywords(recorded).items())
+    numbers = {**_settings(recorded), **run.overrides}
     settings = ", ".join(f"{name} {_plain(value)}" for name, value in numbers.items())
     options = f", reset options {dict(run.options)}" if run.options else ""
     return (
-        f"- {run.label}: `{run.controller}`, gains `{run.gains}` ({settings}; {played.gains_source}), on"
+        f"- {run.label}: `{run.controller}`, gains `{run.gains}` ({settings}; {recorded.gains_source}), on"
         f" `{run.environment}` ({keywords}{options})"
     )
 
@@ -159,7 +159,7 @@ def _plain(value: Any) -> str:
 
 
 def _checks(verdicts: Sequence[Verdict]) -> str:
-    header = ("question", "what", "formula", "prediction", "measured", "tolerance", "verdict")
+    header = ("question", "quantity", "formula", "prediction", "measured", "tolerance", "verdict")
     rows = [header, ("---",) * len(header), *(_row(verdict) for verdict in verdicts)]
     return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
 

@@ -1,4 +1,4 @@
-"""Playing a run and recording it, with what the policy keeps in its state where that is asked for."""
+"""`record_run`: a run is simulated and recorded, on request with the state of its controller."""
 
 from collections.abc import Mapping
 from contextlib import closing
@@ -27,10 +27,10 @@ class RecordedRun:
     """A recorded run.
 
     Attributes:
-        run: what was played.
-        rollout: the record; its fields hold the recorded states too.
-        settings: of the law.
-        gains_source: where the gain set is from.
+        run: the run.
+        rollout: the recorded episode, whose fields include the recorded states.
+        settings: of the controller.
+        gains_source: source of the gain set.
     """
 
     run: Run
@@ -40,11 +40,11 @@ class RecordedRun:
 
 
 class StateRecorder:
-    """A policy that keeps the first arrays of another policy's state, step by step.
+    """A policy that records the first arrays of another policy's state at every step.
 
     Args:
-        policy: the other one.
-        names: of the arrays, in order.
+        policy: the other policy.
+        names: of the arrays, in their order.
     """
 
     def __init__(self, policy: Policy, names: tuple[str, ...]) -> None:
@@ -59,19 +59,19 @@ class StateRecorder:
         episode_start: NDArray[np.bool_] | None = None,
         deterministic: bool = True,
     ) -> tuple[NDArray[Any], Any]:
-        """The other policy's answer."""
+        """The action and the state of the other policy."""
         action, state = self._policy.predict(observation, state, episode_start, deterministic)
         if self._names:
             self._rows.append(tuple(np.array(part, dtype=np.float64).ravel() for part in state))
         return action, state
 
     def fields(self) -> dict[str, Array]:
-        """By name (T + 1, size): the state after each step; NaN before the first."""
+        """The state after each step by name, (T + 1, size); NaN before the first step."""
         columns = zip(*self._rows, strict=True)
         stacked = {name: np.stack(column) for name, column in zip(self._names, columns, strict=False)}
         missing = [name for name in self._names if name not in stacked]
         if missing:
-            raise InvalidValueError("recorded states", missing, f"at most {len(stacked)} of this law")
+            raise InvalidValueError("recorded states", missing, f"at most {len(stacked)} of this controller")
         return {
             name: np.concatenate([np.full((1, values.shape[1]), np.nan), values])
             for name, values in stacked.items()
@@ -79,25 +79,25 @@ class StateRecorder:
 
 
 def check_names(run: Run) -> None:
-    """Refuse a run whose environment, law or gain set does not exist.
+    """Refuse a run whose environment, controller or gain set does not exist.
 
     Raises:
-        UnknownNameError: names what is valid.
+        UnknownNameError: one of them does not exist.
     """
     for kind, name, valid in (
         ("environment", run.environment, list_envs()),
         ("baseline", run.controller, list(BASELINES)),
-        (f"gain set of law {run.controller!r}", run.gains, gain_sets(run.controller)),
+        (f"gain set of controller {run.controller!r}", run.gains, gain_sets(run.controller)),
     ):
         if name not in valid:
             raise UnknownNameError(kind, name, valid)
 
 
-def play(run: Run) -> RecordedRun:
-    """Play a run.
+def record_run(run: Run) -> RecordedRun:
+    """Simulate and record a run.
 
     Raises:
-        PRPError: a name or value that environment or law refuses.
+        PRPError: a name or value that the environment or the controller refuses.
     """
     check_names(run)
     keywords = dict(run.keywords) | ({"torque_limit": None} if run.unlimited_torque else {})
@@ -118,7 +118,7 @@ def play(run: Run) -> RecordedRun:
 
 
 def _settings(overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """A law's settings, the model of other masses in place of the masses."""
+    """Settings of a controller, with a model of the arm in place of its link masses."""
     settings = dict(overrides)
     if "model_masses" in settings:
         settings["model"] = NOMINAL.with_masses(settings.pop("model_masses"))

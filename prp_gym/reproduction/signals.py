@@ -1,4 +1,4 @@
-"""What can be drawn and measured of a recorded episode: observation fields, torques, errors."""
+"""Signals of a recorded episode that can be drawn and measured: fields, torques, errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ class Signal:
     """A quantity over time.
 
     Attributes:
-        symbols: one a component, for axes (mathematical text).
-        units: one a component.
-        difference: the two fields whose difference it is; empty for a field or the torque.
+        symbols: one for each component, for axes (mathematical text).
+        units: one for each component.
+        difference: the two fields whose difference the signal is; empty for a field or the torque.
     """
 
     symbols: tuple[str, ...]
@@ -51,7 +51,7 @@ SIGNALS = {
     "desired_force": Signal(("$f_{dx}$", "$f_{dy}$", "$f_{dz}$"), ("N", "N", "N")),
     "parameter_estimate": Signal((r"$\hat{I}$", r"$\hat{F}$", r"$\hat{G}$"), _LINK),
 }
-"""By name. `parameter_estimate` is a state of the adaptive law, recorded where a run asks for it."""
+"""Signals by name. `parameter_estimate` is a state of the adaptive controller, recorded if a run names it."""
 
 
 def find_signal(name: str) -> Signal:
@@ -74,12 +74,12 @@ def series(rollout: Rollout, name: str, components: Sequence[int] = ()) -> tuple
         components: of it; all by default.
 
     Returns:
-        time (n) [s] and values (n, components) in the signal's units; n is T + 1, for torques T: each
-        stands at the start of the period for which it is held.
+        time (n) [s] and values (n, components) in the signal's units; n is T + 1, for torques T:
+        each belongs to the start of the period for which it is held.
 
     Raises:
         UnknownNameError: no such signal.
-        InvalidValueError: the episode does not have it, or not the component.
+        InvalidValueError: the episode lacks the signal or one of the components.
     """
     signal = find_signal(name)
     needed = [field for field in signal.difference or (name,) if field != "torque"]

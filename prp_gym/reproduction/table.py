@@ -18,9 +18,9 @@ def _table(title: str) -> Table:
 def verdict_table(outcomes: Sequence[FigureOutcome]) -> Table:
     """Every check of some figures."""
     table = _table("predicted and measured")
-    for header in ("fig.", "question"):
+    for header in ("figure", "question"):
         table.add_column(header, justify="right", no_wrap=True)
-    for header, width in (("what", 32), ("predicted", 21), ("measured", 20), ("tolerance", 11)):
+    for header, width in (("quantity", 30), ("predicted", 21), ("measured", 20), ("tolerance", 11)):
         table.add_column(header, width=width, overflow="fold")
     table.add_column("verdict", no_wrap=True)
     for outcome in outcomes:

@@ -26,7 +26,7 @@ from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Job, JobResult, run_job
 from prp_gym.tuning import TunedController, Validation
 from prp_gym.tuning import tuned_controller as tuned_law
-from tests.support.made_up_agents_to_compare import save
+from tests.support.synthetic_agents_to_compare import save
 
 RUNNER = CliRunner()
 ID = "PRP-JointTracking-v0"
@@ -106,10 +106,10 @@ def test_comparison_plays_every_policy_and_writes_results_and_pictures(tmp_path:
     assert max(map(len, output.splitlines())) <= WIDTH
     for title in (
         f"{ID}, scenario randomized",
-        "agents over training seeds",
-        "best law against best agent",
-        "all tasks together",
-        "to the best law's score",
+        "agents by training seed",
+        "best controller against best agent",
+        "score over all tasks",
+        "learning effort: until the score of the best controller is reached",
         "reward against physical error",
     ):
         assert title in output

@@ -19,7 +19,7 @@ import prp_gym.cli.reproduce as command_module
 from prp_gym.cli.main import app, main
 from prp_gym.reproduction import load_catalogue
 from prp_gym.reproduction.catalogue import Catalogue, read_catalogue
-from prp_gym.reproduction.run import play
+from prp_gym.reproduction.run import record_run
 
 RUNNER = CliRunner()
 CATALOGUE = load_catalogue()
@@ -76,7 +76,7 @@ def test_picture_is_legible_and_not_empty(reproduced: tuple[Path, int, str], nam
     assert (border == 255).all()  # nothing is cut off at the edge
 
 
-def test_data_are_what_was_played(reproduced: tuple[Path, int, str]) -> None:
+def test_data_are_those_of_the_recorded_run(reproduced: tuple[Path, int, str]) -> None:
     with (reproduced[0] / "figure_06.csv").open(encoding="utf-8", newline="") as file:
         header, *rows = csv.reader(file)
     assert header == [
@@ -92,7 +92,7 @@ def test_data_are_what_was_played(reproduced: tuple[Path, int, str]) -> None:
     values = np.array(rows, dtype=np.float64)
     assert values.shape == (3001, len(header))  # until 3 s, at 1000 Hz
     np.testing.assert_allclose(values[:, 0], np.arange(3001) * 1e-3, atol=1e-9)
-    fields = play(CATALOGUE.runs["pd_without_gravity"]).rollout.fields
+    fields = record_run(CATALOGUE.runs["pd_without_gravity"]).rollout.fields
     # nine digits are written
     np.testing.assert_allclose(values[:, 4], fields["joint_position"][:3001, 1], rtol=1e-8, atol=1e-12)
     error = fields["desired_joint_position"] - fields["joint_position"]
@@ -116,7 +116,7 @@ def test_summary_holds_every_check_with_its_numbers(reproduced: tuple[Path, int,
     assert set(content["answers"]) == set(QUESTIONS)
 
 
-def test_summary_tells_what_was_played(reproduced: tuple[Path, int, str]) -> None:
+def test_summary_describes_the_recorded_runs(reproduced: tuple[Path, int, str]) -> None:
     runs = summary_of(reproduced[0])["runs"]
     needed = {name for number in FIGURES for name in CATALOGUE.experiments[number].runs}
     assert set(runs) == needed
@@ -216,13 +216,13 @@ def test_figure_that_does_not_exist_ends_with_code_two_and_the_list(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_folder_that_cannot_be_written_is_refused_before_anything_is_played(
+def test_folder_that_cannot_be_written_is_refused_before_anything_is_simulated(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def never(run: object) -> None:
-        raise AssertionError("played")
+        raise AssertionError("simulated")
 
-    monkeypatch.setattr(command_module, "play", never)
+    monkeypatch.setattr(command_module, "record_run", never)
     blocked = tmp_path / "file"
     blocked.write_text("mine")
     result = RUNNER.invoke(app, ["reproduce", "--figure", "5", "--output", str(blocked)])

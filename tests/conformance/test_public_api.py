@@ -26,6 +26,7 @@ NAMES = (
     *("PRPArm", "PRPError", "RobotParameters", "evaluate", "list_baselines", "list_envs", "make_baseline"),
     *("make_sb3_vec_env", "list_agents", "load_agent", "controller", "register_controller", "ControllerSpec"),
     *("register_action_mode", "ActionModeSpec"),
+    *("register_algorithm", "register_metric", "register_task"),
 )
 
 

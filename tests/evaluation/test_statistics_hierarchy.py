@@ -122,7 +122,7 @@ def test_difference_covers_the_truth_about_as_often_as_it_says() -> None:
     for _ in range(300):
         common = 3.0 * rng.normal(size=40)
         x = made_scores(rng, 20, 40, np.array([0.5, 0.0, 0.3])) + common
-        y = 0.7 + common + rng.normal(size=(1, 40))  # a law: one row
+        y = 0.7 + common + rng.normal(size=(1, 40))  # a controller: one row
         estimate = bootstrap_difference(x, y, rng, resamples=300)
         covered.append(estimate.low <= -0.7 <= estimate.high)
     # the interquartile means of the two cut the common part at slightly different places, and percentile

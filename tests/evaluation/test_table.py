@@ -1,4 +1,4 @@
-"""The table for the terminal: what a cell says, and that 120 columns hold all of it for every task."""
+"""The table for the terminal: content of its cells, and a width of at most 120 columns for every task."""
 
 import json
 from functools import cached_property
@@ -17,7 +17,7 @@ from prp_gym.evaluation import METRICS, Evaluation, Metric, Rollout, evaluate
 from prp_gym.evaluation.results import describe_evaluation, to_plain
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
-from tests.support.made_up_episodes import Array, make_rollout
+from tests.support.synthetic_episodes import Array, make_rollout
 
 WIDTH = 120
 LONGEST_NAME = "operational_inverse_dynamics"

@@ -9,13 +9,13 @@ from PIL import Image
 
 from prp_gym.reproduction import FigureOutcome, Level, Panel, RecordedRun, Verdict, load_catalogue
 from prp_gym.reproduction.figures import COLORS, axes_of, draw, table
-from tests.support.hand_made_rollout import rollout_of
+from tests.support.synthetic_rollout import rollout_of
 
 CATALOGUE = load_catalogue()
 TIME = np.arange(5) * 0.1
 
 
-def played(name: str, scale: float, steps: int = 4) -> RecordedRun:
+def recorded(name: str, scale: float, steps: int = 4) -> RecordedRun:
     """A run whose joint i moves as scale (i + 1) t, towards 10 times that."""
     position = np.outer(TIME[: steps + 1], [1.0, 2.0, 3.0]) * scale
     torque = np.outer(np.arange(steps), [1.0, 10.0, 100.0])
@@ -30,7 +30,7 @@ def outcome(*panels: Panel, until: float = 0.4, steps: int = 4) -> FigureOutcome
     check = replace(check, name="both", measure=replace(check.measure, arguments=arguments))
     numbers = np.array([7.0, 8.0])
     experiment = replace(CATALOGUE.experiments[6], panels=panels, until=until, checks=(check,))
-    runs = {"a": played("a", 1.0), "b": played("b", -2.0, steps)}
+    runs = {"a": recorded("a", 1.0), "b": recorded("b", -2.0, steps)}
     return FigureOutcome(experiment, runs, (Verdict(check, numbers, numbers, numbers, numbers),))
 
 
@@ -81,8 +81,8 @@ def test_picture_has_one_size_whatever_it_shows(count: int) -> None:
 def test_as_many_runs_as_there_are_colours_are_told_apart() -> None:
     names = tuple("abcdefgh"[: len(COLORS)])
     item = outcome(Panel("joint_position", (0,), names))
-    runs = {name: played(name, index - 1.5) for index, name in enumerate(names)}
-    full = replace(item, played=runs)
+    runs = {name: recorded(name, index - 1.5) for index, name in enumerate(names)}
+    full = replace(item, recorded=runs)
     with Image.open(io.BytesIO(draw(full))) as frame:
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
     for color in COLORS:

@@ -1,4 +1,4 @@
-"""The data of the report's experiments, complete and resolvable; verdicts, answers, playing of runs."""
+"""The data of the report's experiments, complete and resolvable; verdicts, answers, recorded runs."""
 
 from dataclasses import fields, replace
 from importlib.resources import files
@@ -10,7 +10,7 @@ import pytest
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
-from prp_gym.reproduction import FigureOutcome, Run, Verdict, judge, load_catalogue, play
+from prp_gym.reproduction import FigureOutcome, Run, Verdict, judge, load_catalogue, record_run
 from prp_gym.reproduction.catalogue import CHAPTERS
 from prp_gym.reproduction.experiment import Number, Prediction
 from prp_gym.reproduction.outcome import fill, placeholders, show
@@ -26,8 +26,14 @@ QUESTIONS += ["12.2", "12.3", "12.4", "13.2", "13.3", "13.4", "14", "15"]
 ENVIRONMENTS = {f"PRP-{name}-v0" for name in ("JointRegulation", "JointTracking", "Adaptive")}
 ENVIRONMENTS |= {f"PRP-{name}-v0" for name in ("PoseRegulation", "PoseTracking", "Compliance", "Impedance")}
 ENVIRONMENTS |= {f"PRP-{name}-v0" for name in ("Admittance", "Force", "ForcePosition")}
-LAWS = {"joint_pd", "joint_inverse_dynamics", "adaptive", "operational_pd", "operational_inverse_dynamics"}
-LAWS |= {"compliance", "impedance", "admittance", "force_inner_position", "parallel_force_position"}
+CONTROLLERS = {
+    "joint_pd",
+    "joint_inverse_dynamics",
+    "adaptive",
+    "operational_pd",
+    "operational_inverse_dynamics",
+}
+CONTROLLERS |= {"compliance", "impedance", "admittance", "force_inner_position", "parallel_force_position"}
 CHECKS = [check for experiment in CATALOGUE.experiments.values() for check in experiment.checks]
 
 
@@ -61,13 +67,13 @@ def test_every_run_is_of_the_report_and_is_used() -> None:
     used = {name for experiment in CATALOGUE.experiments.values() for name in experiment.runs}
     assert used == set(CATALOGUE.runs)
     assert {run.environment for run in CATALOGUE.runs.values()} == ENVIRONMENTS
-    assert {run.controller for run in CATALOGUE.runs.values()} == LAWS
+    assert {run.controller for run in CATALOGUE.runs.values()} == CONTROLLERS
 
 
 @pytest.mark.parametrize("run", CATALOGUE.runs.values(), ids=lambda run: run.name)
 def test_names_of_a_run_resolve(run: Run) -> None:
     if run.environment not in list_envs() or run.controller not in BASELINES or not gain_sets(run.controller):
-        pytest.skip("this suite does not have the task or the law yet")
+        pytest.skip("this suite does not have the task or the controller yet")
     check_names(run)
     settings = {entry.name for entry in fields(BASELINES[run.controller].settings_class)}
     assert {"model" if name == "model_masses" else name for name in run.overrides} <= settings
@@ -189,9 +195,9 @@ def test_figure_whose_measurement_has_another_size_is_not_judged() -> None:
     experiment = CATALOGUE.experiments[6]
     measured = replace(experiment.checks[0].measure, arguments={"signal": "joint_error", "components": [2]})
     wrong = replace(experiment, checks=(replace(experiment.checks[0], measure=measured),))
-    played = {name: play(replace(CATALOGUE.runs[name], duration=0.002)) for name in experiment.runs}
+    recorded = {name: record_run(replace(CATALOGUE.runs[name], duration=0.002)) for name in experiment.runs}
     with pytest.raises(ShapeError, match="measured values of check 'pd_sag'"):
-        judge(wrong, played)
+        judge(wrong, recorded)
 
 
 def test_answers_are_filled_where_all_their_checks_were_made() -> None:
@@ -249,23 +255,23 @@ def test_recorder_keeps_nothing_unless_asked_and_refuses_what_is_not_there() -> 
         recorder.fields()
 
 
-def test_run_is_played_with_what_it_says() -> None:
+def test_run_has_the_settings_that_it_declares() -> None:
     goal = [0.1, -0.1, 0.2]
     run = replace(CATALOGUE.runs["wrong_masses"], duration=0.01, seed=3)
-    at_goal = play(replace(run, keywords={"reference": "constant"}, options={"goal": goal})).rollout
+    at_goal = record_run(replace(run, keywords={"reference": "constant"}, options={"goal": goal})).rollout
     np.testing.assert_array_equal(at_goal.fields["desired_joint_position"][-1], goal)
-    played = play(replace(run, unlimited_torque=True))
-    rollout = played.rollout
+    recorded = record_run(replace(run, unlimited_torque=True))
+    rollout = recorded.rollout
     assert (rollout.scenario, rollout.seed) == ("report", 3)
     assert rollout.period == pytest.approx(1e-3)
     assert len(rollout.torque) == 10
-    assert played.settings["model"].link_mass == pytest.approx((0.9, 0.5, 0.7))
-    assert played.gains_source.startswith("gains of figures 11")
+    assert recorded.settings["model"].link_mass == pytest.approx((0.9, 0.5, 0.7))
+    assert recorded.gains_source.startswith("gains of figures 11")
     assert np.abs(rollout.torque).max() < 5e3
     stiff = replace(run, overrides={"proportional_gain": 1e6})
-    assert np.abs(play(stiff).rollout.torque[0]).max() == pytest.approx(1e4)  # a hundred times 100 N
-    assert np.abs(play(replace(stiff, unlimited_torque=True)).rollout.torque[0]).max() > 2e4
-    exact = play(replace(run, overrides={})).rollout
+    assert np.abs(record_run(stiff).rollout.torque[0]).max() == pytest.approx(1e4)  # a hundred times 100 N
+    assert np.abs(record_run(replace(stiff, unlimited_torque=True)).rollout.torque[0]).max() > 2e4
+    exact = record_run(replace(run, overrides={})).rollout
     assert not np.allclose(exact.torque, rollout.torque, rtol=1e-2)
 
 
@@ -275,7 +281,7 @@ def test_run_is_played_with_what_it_says() -> None:
 )
 def test_run_with_a_name_that_does_not_exist_is_refused(changes: dict[str, Any], word: str) -> None:
     with pytest.raises(UnknownNameError, match=word):
-        play(replace(CATALOGUE.runs["pd"], **changes))
+        record_run(replace(CATALOGUE.runs["pd"], **changes))
 
 
 def test_number_is_predicted_as_it_stands() -> None:

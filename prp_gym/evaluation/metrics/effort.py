@@ -1,4 +1,4 @@
-"""Metrics of what a motion costs: energy, torques, and the limits that it meets."""
+"""Metrics of the effort of a motion: energy, torques, and the limits that are reached."""
 
 import numpy as np
 
@@ -57,7 +57,7 @@ register_metric(
     Metric(
         "energy",
         ("J",),
-        "∫ Σ |τ_i q̇_i| dt of the torques that acted",
+        "∫ Σ |τ_i q̇_i| dt of the applied torques",
         ("joint_velocity",),
         lambda r: mechanical_energy(r.applied_torque, r.fields["joint_velocity"], r.period),
         Presentation(EFFORT, Column("energy", ("J",)), "mechanical energy without recuperation"),

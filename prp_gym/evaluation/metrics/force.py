@@ -1,4 +1,4 @@
-"""Metrics of the contact: the force that is wanted, the touch itself, and the energy that it takes.
+"""Metrics of contact tasks: the tracking of the desired force, the contact, and the injected energy.
 
 Forces are by the tip on the surface, in the world frame [N].
 """
@@ -71,8 +71,8 @@ def mean_deviation_across(actual: Array, desired: Array, force: Array) -> Array:
 
 
 def _is_force_step(desired: Array) -> NDArray[np.bool_]:
-    wanted: NDArray[np.bool_] = (desired[..., 0, :] != 0.0).any(axis=-1)
-    return wanted & is_constant(desired)
+    is_desired: NDArray[np.bool_] = (desired[..., 0, :] != 0.0).any(axis=-1)
+    return is_desired & is_constant(desired)
 
 
 def force_settling_time(time: Array, force: Array, desired: Array) -> Array:
@@ -249,8 +249,8 @@ register_metric(
     Metric(
         "contact_losses",
         ("1",),
-        "how often the tip leaves the surface (force at most 1e-6 N) after it has touched, a wanted retreat"
-        " included",
+        "how often the tip leaves the surface (force at most 1e-6 N) after it has touched, an intended"
+        " retreat included",
         ("contact_force",),
         lambda r: contact_losses(r.fields["contact_force"]),
         Presentation(CONTACT, Column("con-\ntact\nlost", ("1",))),
@@ -270,8 +270,8 @@ register_metric(
     Metric(
         "injected_energy",
         ("J",),
-        "max(0, -min E) of E(t) = ∫ h_eᵀ(ẋ_d - ẋ) dt: what the arm gave away at its tip, relative to its"
-        " moving reference, beyond what it had received there; 0 if it is passive from rest",
+        "max(0, -min E) of E(t) = ∫ h_eᵀ(ẋ_d - ẋ) dt: energy that the arm gave away at its tip, relative"
+        " to its moving reference, beyond what it had received there; 0 if it is passive from rest",
         ("contact_force", "desired_velocity", "end_effector_velocity"),
         lambda r: _injected_energy(r),
         Presentation(

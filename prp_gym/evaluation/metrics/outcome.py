@@ -9,7 +9,7 @@ register_metric(
     OutcomeMetric(
         "score",
         ("1",),
-        "return over duration, in [0, 1]; what is lost after a divergence counts as 0",
+        "return over duration, in [0, 1]; the time after a divergence counts as 0",
         (),
         lambda r: float(r.reward.sum() / r.duration),
         Presentation(OUTCOME, higher_is_better=True),

@@ -73,6 +73,9 @@ def saved(tmp_path: Path) -> Path:
         (put("network", "hidden", value=[4, 4]), "tensors missing or not on the card: layer_2.bias"),
         (put("network", "memory", value=[10**12]), "tensors missing or not on the card: lstm_0.bias"),
         (put("run", "command", value="\ud800"), "is not a JSON file"),
+        (put("interface", "environment_revision", value=0), "environment_revision is 0; allowed: a whole"),
+        (put("interface", "environment_revision", value="1"), "revision' is '1'; expected a whole number"),
+        (put("interface", "environment_revision", value=True), "is True; expected a whole number"),
     ],
 )
 def test_card_with_another_key_or_value_is_refused(
@@ -90,9 +93,9 @@ def test_card_with_another_key_or_value_is_refused(
         (b"{}", "key 'card' is missing"),
         (b'{"format": 2}', "key 'format' is 2; this version reads 1"),
         (b'{"format": 1, "format": 1}', "a key is given twice"),
-        (b'{"format": NaN}', "NaN is no finite number"),
-        (b'{"format": -Infinity}', "-Infinity is no finite number"),
-        (b'{"format": 1e999}', "1e999 is no finite number"),
+        (b'{"format": NaN}', "NaN is not a finite number"),
+        (b'{"format": -Infinity}', "-Infinity is not a finite number"),
+        (b'{"format": 1e999}', "1e999 is not a finite number"),
         (b'{"format": \xff}', "is not a JSON file"),
         (b"[" * 100_000, "is not a JSON file"),
         (b"9" * 10_000, "is not a JSON file"),

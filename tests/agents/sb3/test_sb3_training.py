@@ -1,4 +1,4 @@
-"""Stable-Baselines3 on many environments together: how they are made, learning, evaluation of laws."""
+"""Stable-Baselines3 on many environments together: construction, learning, evaluation of controllers."""
 
 import sys
 from collections.abc import Callable
@@ -21,7 +21,7 @@ import prp_gym
 from prp_gym.agents.sb3 import packages
 from prp_gym.agents.sb3.vec_env import SB3VecEnv
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
-from tests.support.sb3_pair import assert_same
+from tests.support.sb3_environments import assert_same
 
 N = 4
 ID = "PRP-JointRegulation-v0"
@@ -190,7 +190,7 @@ def test_saved_agent_acts_as_before_without_environments(tmp_path: Path) -> None
         (ID, "joint_pd"),
     ],
 )
-def test_evaluator_finds_a_law_s_returns(environment_id: str, controller: str) -> None:
+def test_evaluate_policy_gives_the_returns_of_a_controller(environment_id: str, controller: str) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "control_frequency": 500, "duration": 0.1}
     env = many(environment_id, 11, **keywords)
     policy: Any = prp_gym.make_baseline(controller, env)
@@ -207,9 +207,10 @@ def test_evaluator_finds_a_law_s_returns(environment_id: str, controller: str) -
 
 
 @pytest.mark.parametrize("environment_id", prp_gym.list_envs())
-def test_law_is_the_same_for_one_environment_and_for_many_of_any_kind(environment_id: str) -> None:
+def test_controller_is_the_same_for_single_and_vectorised_environments(environment_id: str) -> None:
     single = gymnasium.make(environment_id)
-    expected = prp_gym.make_baseline("adaptive" if "Adaptive" in environment_id else "joint_pd", single)
+    name = "adaptive" if "Adaptive" in environment_id else "joint_pd"
+    expected = prp_gym.make_baseline(name, single)
     makers: list[Callable[[], Any]] = [
         lambda: gymnasium.make_vec(environment_id, 2),
         lambda: SyncVectorEnv([partial(gymnasium.make, environment_id)] * 2),
@@ -219,7 +220,7 @@ def test_law_is_the_same_for_one_environment_and_for_many_of_any_kind(environmen
     ]
     batch = np.random.default_rng(0).uniform(-0.2, 0.2, (5, *(single.observation_space.shape or ())))
     for make in makers:
-        controller = prp_gym.make_baseline(expected.name, make())
+        controller = prp_gym.make_baseline(name, make())
         assert controller.interface.environment_id == environment_id
         assert controller.interface.period == expected.interface.period
         assert controller.interface.layout == expected.interface.layout
@@ -231,6 +232,6 @@ def test_law_is_the_same_for_one_environment_and_for_many_of_any_kind(environmen
 @pytest.mark.parametrize(
     "env", [DummyVecEnv([partial(gymnasium.make, "CartPole-v1")]), gymnasium.make_vec("CartPole-v1", 2), 3]
 )
-def test_law_refuses_many_environments_of_another_suite(env: object) -> None:
+def test_controller_refuses_vectorised_environments_of_another_suite(env: object) -> None:
     with pytest.raises(InvalidValueError, match="an environment of prp_gym"):
         prp_gym.make_baseline("joint_pd", env)

@@ -28,7 +28,7 @@ from prp_gym.errors import (
     ShapeError,
     UnknownNameError,
 )
-from tests.support.sb3_pair import (
+from tests.support.sb3_environments import (
     ID,
     SHORT,
     N,
@@ -120,35 +120,35 @@ def test_episode_statistics_are_those_of_single_monitors() -> None:
 
 
 def test_seeds_and_options_are_used_once() -> None:
-    pair = both()
-    for env in pair:
+    envs = both()
+    for env in envs:
         assert env.seed(5) == [5, 6, 7, 8]
         env.set_options({"goal": np.array([0.4, -0.1, 0.2])})
-    first: list[Any] = [env.reset() for env in pair]
-    plain: list[Any] = [env.reset() for env in pair]
+    first: list[Any] = [env.reset() for env in envs]
+    plain: list[Any] = [env.reset() for env in envs]
     assert_same(first[0], first[1], "seeded, with a goal")
     assert_same(plain[0], plain[1], "neither")
     assert not np.array_equal(first[0], plain[0])
-    assert_same_results(pair, attrgetter("reset_infos"), "reset infos")
-    pair[0].seed(5)
-    pair[0].set_options({"goal": np.array([0.4, -0.1, 0.2])})
-    assert_same(pair[0].reset(), first[0], "the same seed again")
+    assert_same_results(envs, attrgetter("reset_infos"), "reset infos")
+    envs[0].seed(5)
+    envs[0].set_options({"goal": np.array([0.4, -0.1, 0.2])})
+    assert_same(envs[0].reset(), first[0], "the same seed again")
 
 
 @pytest.mark.parametrize("seeds", [(5,), (5, 6), (5, None)])
 def test_environments_may_have_different_options(seeds: Sequence[int | None]) -> None:
-    pair = both(scenario="realistic")
+    envs = both(scenario="realistic")
     start, goal = np.array([0.3, -0.2, 0.1]), np.array([0.4, -0.1, 0.2])
-    for env in pair:
+    for env in envs:
         for seed in seeds[:-1]:
             env.seed(seed)
             env.reset()
         if seeds[-1] is not None:
             env.seed(seeds[-1])
         env.set_options([{"goal": goal}, {}, {"joint_position": start, "goal": goal}, {"goal": start}])
-    assert_same_results(pair, methodcaller("reset"), "reset")
-    for count, action in enumerate(actions_for(pair[0], 13)):
-        assert_same_results(pair, methodcaller("step", action), f"step {count}")
+    assert_same_results(envs, methodcaller("reset"), "reset")
+    for count, action in enumerate(actions_for(envs[0], 13)):
+        assert_same_results(envs, methodcaller("step", action), f"step {count}")
 
 
 def test_environments_without_seeds_may_have_different_options() -> None:

@@ -1,4 +1,4 @@
-"""One environment among those that Stable-Baselines3 steps together: attributes, methods, pictures."""
+"""One environment among those that Stable-Baselines3 steps together: attributes, methods, frames."""
 
 from operator import methodcaller
 from typing import Any
@@ -11,13 +11,13 @@ from stable_baselines3.common.monitor import Monitor
 from prp_gym.agents.sb3.vec_env import SB3VecEnv
 from prp_gym.envs import PRPVectorEnv
 from prp_gym.errors import EpisodeError, InvalidValueError
-from tests.support.sb3_pair import ID, N, actions_for, assert_same_results, both, together
+from tests.support.sb3_environments import ID, N, actions_for, assert_same_results, both, together
 
 
 @pytest.mark.parametrize("indices", [None, 2, -1, [0, 3], (1,), range(1, 3), np.array([3, 1])])
 def test_attributes_are_those_of_the_environments_asked_for(indices: Any) -> None:
-    pair = both("PRP-Force-v0")
-    for env in pair:
+    envs = both("PRP-Force-v0")
+    for env in envs:
         env.seed(4)
         env.reset()
         env.step(actions_for(env, 1)[0])
@@ -29,20 +29,20 @@ def test_attributes_are_those_of_the_environments_asked_for(indices: Any) -> Non
         "duration",
         "render_mode",
     ):
-        assert_same_results(pair, methodcaller("get_attr", name, indices), name)
-    assert_same_results(pair, lambda env: env.env_is_wrapped(Monitor, indices), "wrapped")
-    for env in pair:
+        assert_same_results(envs, methodcaller("get_attr", name, indices), name)
+    assert_same_results(envs, lambda env: env.env_is_wrapped(Monitor, indices), "wrapped")
+    for env in envs:
         env.set_attr("label", "mine", indices)
-    holders = [[hasattr(view, "label") for view in env.envs] for env in (pair[0].together, pair[1])]
+    holders = [[hasattr(view, "label") for view in env.envs] for env in (envs[0].together, envs[1])]
     assert holders[0] == holders[1]
-    assert pair[0].get_attr("label", indices) == pair[1].get_attr("label", indices)
-    draws = [env.env_method("get_wrapper_attr", indices=indices, name="np_random") for env in pair]
+    assert envs[0].get_attr("label", indices) == envs[1].get_attr("label", indices)
+    draws = [env.env_method("get_wrapper_attr", indices=indices, name="np_random") for env in envs]
     assert [own.random() for own in draws[0]] == [own.random() for own in draws[1]]
-    assert [env.has_attr("label") for env in pair] == [indices is None] * 2
-    found = pair[0].env_method("get_wrapper_attr", "np_random", indices=indices)
+    assert [env.has_attr("label") for env in envs] == [indices is None] * 2
+    found = envs[0].env_method("get_wrapper_attr", "np_random", indices=indices)
     assert all(own is other for own, other in zip(found, draws[0], strict=True))
     with pytest.raises(AttributeError):
-        pair[0].env_method("no_such_method", indices=indices)
+        envs[0].env_method("no_such_method", indices=indices)
 
 
 @pytest.mark.parametrize("method", ["step", "reset"])
@@ -71,22 +71,22 @@ def test_metadata_and_modes_are_those_of_the_environments() -> None:
     env.close()
 
 
-def test_pictures_are_those_of_single_environments_side_by_side(drawing: None) -> None:
-    pair = both(render_mode="rgb_array", width=32, height=24)
-    for env in pair:
+def test_frames_are_those_of_single_environments_side_by_side(drawing: None) -> None:
+    envs = both(render_mode="rgb_array", width=32, height=24)
+    for env in envs:
         env.seed(2)
         env.reset()
-    assert_same_results(pair, lambda env: list(env.get_images()), "images")
-    assert_same_results(pair, methodcaller("render"), "side by side")
-    tiled = pair[0].render()
+    assert_same_results(envs, lambda env: list(env.get_images()), "images")
+    assert_same_results(envs, methodcaller("render"), "side by side")
+    tiled = envs[0].render()
     assert tiled is not None
     assert tiled.shape == (48, 64, 3)
-    assert_same_results(pair, methodcaller("env_method", "render", indices=[3, 0]), "two of them")
-    for env in pair:
+    assert_same_results(envs, methodcaller("env_method", "render", indices=[3, 0]), "two of them")
+    for env in envs:
         env.close()
 
 
-def test_without_a_render_mode_there_are_no_pictures() -> None:
+def test_without_a_render_mode_there_are_no_frames() -> None:
     env = together()
     with pytest.warns(UserWarning, match="render_mode='rgb_array'; it is None"):
         assert list(env.get_images()) == [None] * N

@@ -193,7 +193,7 @@ def test_code_in_a_checkpoint_is_not_run(
     tmp_path: Path, begun: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(checkpoint, "_checksum", lambda path: 0)  # as if whoever planted it knew how
+    monkeypatch.setattr(checkpoint, "_checksum", lambda path: 0)  # as if an attacker had adapted the checksum
     learner, state = trained("ppo")
     write_checkpoint(tmp_path, learner, state)
     there = find_checkpoint(tmp_path)[0]

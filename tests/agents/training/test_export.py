@@ -17,7 +17,7 @@ from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import export_agent, identity_normalizer
 from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, ShapeError
-from tests.support.made_up_agents import ID, KEYWORDS, RUN, Trained, facts, layout_of, observations, trained
+from tests.support.synthetic_agents import ID, KEYWORDS, RUN, Trained, facts, layout_of, observations, trained
 
 # single precision, summed in another order: 2⁻²⁴ of each of some dozens of products that are at most 10
 SAME = 1e-5
@@ -68,7 +68,7 @@ def test_memory_is_that_of_stable_baselines_over_steps_and_episodes(layers: int)
         action, ours = policy.predict(batch, ours, start)
         np.testing.assert_allclose(action, expected, rtol=0, atol=SAME)
         forgetful.append(np.max(np.abs(policy.predict(batch)[0] - expected)))
-    assert min(forgetful[1:]) > 100 * SAME  # what it remembers matters
+    assert min(forgetful[1:]) > 100 * SAME  # the recurrent state matters
     single, _ = policy.predict(batch[0], tuple(part[0] for part in ours), np.array([False]))
     np.testing.assert_allclose(single, policy.predict(batch, ours)[0][0], rtol=0, atol=SAME)
 
@@ -128,6 +128,14 @@ def test_card_says_what_model_and_facts_know() -> None:
     assert card.run is RUN
     assert card.versions["torch"] == torch.__version__
     assert {"python", "prp-gym", "stable-baselines3", "sb3-contrib", "numpy", "mujoco"} <= set(card.versions)
+
+
+def test_card_stores_the_present_revision_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    source, policy = made("PPO")
+    assert policy.card.interface.environment_revision == 1
+    monkeypatch.setattr("prp_gym.agents.training.export.environment_revision", {ID: 4}.__getitem__)
+    exported = export_agent(source.model, source.normalizer, facts())
+    assert exported.card.interface.environment_revision == 4
 
 
 class Halving(BaseFeaturesExtractor):

@@ -12,7 +12,7 @@ from gymnasium.wrappers import TransformObservation
 from numpy.typing import NDArray
 
 import prp_gym  # noqa: F401 (registers the environments)
-from prp_gym.agents.policy.agent_card import AgentCard, CurvePoint, Interface, Part, Run, Score
+from prp_gym.agents.policy.agent_card import AgentCard, CurvePoint, Interface, Part, Score, TrainingRecord
 from prp_gym.agents.policy.features import TrackingFeatures
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.network import Network, NetworkShape
@@ -22,7 +22,7 @@ from prp_gym.tasks.fields import ObservationLayout
 
 ID = "PRP-JointTracking-v0"  # observes a reference, so that tracking errors are among the features
 KEYWORDS: dict[str, Any] = {"scenario": "realistic", "action_mode": "torque", "control_frequency": 50}
-RUN = Run(
+RUN = TrainingRecord(
     command="prp-gym train PRP-JointTracking-v0 --algo ppo",
     seed=3,
     steps=2_000,
@@ -59,13 +59,13 @@ def score(value: float) -> Score:
     return Score(value, value - 0.01, value + 0.01, 20, 0)
 
 
-def made_up_policy(
+def synthetic_policy(
     scores: Mapping[str, float] | None = None,
     memory: tuple[int, ...] = (),
     seed: int = 0,
     environment_id: str = ID,
     keywords: Mapping[str, Any] = KEYWORDS,
-    run: Run = RUN,
+    run: TrainingRecord = RUN,
 ) -> LearnedPolicy:
     """A policy of tracking features with a random network, drawn by `seed`, of one hidden layer of 4."""
     rng = np.random.default_rng(seed)
