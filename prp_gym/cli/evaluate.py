@@ -98,7 +98,7 @@ def _scores(records: list[Record]) -> list[Table]:
     ids = list(dict.fromkeys(record["environment"] for record in records))
     if len(ids) == 1:
         return []
-    tables = []
+    tables: list[Table] = []
     for scenario in dict.fromkeys(record["scenario"] for record in records):
         rows = []
         for environment_id in ids:
@@ -106,5 +106,5 @@ def _scores(records: list[Record]) -> list[Table]:
             best = max(value for value in own if value is not None)
             cells = ["-" if v is None else f"{v:.3f}" + ("*" if v == best else " ") for v in own]
             rows.append((environment_id, cells))
-        tables.append(make_matrix(f"score, scenario {scenario} (* best)", controllers, rows))
+        tables += make_matrix(f"score, scenario {scenario} (* best)", controllers, rows)
     return tables

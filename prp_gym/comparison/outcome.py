@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Self
 
+from prp_gym.artifacts import to_plain
 from prp_gym.comparison.audit import Audit, audit_rewards
 from prp_gym.comparison.effort import Effort, learning_efforts
 from prp_gym.comparison.statistics import (
@@ -15,7 +16,6 @@ from prp_gym.comparison.statistics import (
     training_spread,
 )
 from prp_gym.comparison.values import AGENT, Condition, Record, group_conditions
-from prp_gym.evaluation.results import to_plain
 
 
 @dataclass(frozen=True, eq=False)

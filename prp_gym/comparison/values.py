@@ -6,8 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from prp_gym.artifacts import to_array
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.results import to_array
 from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]

@@ -114,7 +114,7 @@ def evaluate(
     return Evaluation(rollouts, seed)
 
 
-def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
+def _policy(given: Any, env: gymnasium.Env[Any, Any]) -> Policy:
     """A policy itself, or the one that a declaration makes for an environment.
 
     Raises:
@@ -125,7 +125,8 @@ def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
     if not isinstance(given, Makeable):
         allowed = "an object with `predict`, or the declaration of a controller"
         raise InvalidValueError("policy", given, allowed)
-    return given.make(env)
+    made: Policy = given.make(env)
+    return made
 
 
 def check_protocol(episodes: int, seed: int) -> None:

@@ -8,10 +8,10 @@ from typing import Any, Self
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from prp_gym.artifacts import to_array
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.column import Column
 from prp_gym.evaluation.metrics import METRICS
-from prp_gym.evaluation.results import to_array
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
