@@ -1,4 +1,4 @@
-"""A controller in closed loop with the closed-form model of the arm: torques held over a period, steps of 1 ms."""
+"""A controller in closed loop with the closed-form model of the arm: torques are held, steps are of 1 ms."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
