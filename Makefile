@@ -5,7 +5,10 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-.PHONY: evaluate reproduce test lint type bench peers docs pictures sweep train compare clean
+# After the first of these, `source .venv/bin/activate` puts prp-gym and python on the path.
+.PHONY: install evaluate reproduce test mutants lint type bench peers docs pictures sweep train compare clean
+
+install: $(VENV)/.core
 
 evaluate: $(VENV)/.core
 	$(BIN)/prp-gym evaluate
@@ -15,6 +18,9 @@ reproduce: $(VENV)/.core
 
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n auto
+
+mutants: $(VENV)/.dev
+	$(BIN)/python -m bench.mutants
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

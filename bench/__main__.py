@@ -1,4 +1,4 @@
-"""`make bench`: the speed of the suite beside its peers, in one run."""
+"""`make bench`: the speed of the suite compared with its peers, in one run."""
 
 import shlex
 import subprocess
@@ -23,35 +23,35 @@ from prp_gym.errors import UnknownNameError
 
 _RESET_SIZES = (1, 64, 1024)
 _QUICK_RESET_SIZES = (1, 4)
-_WIDTH = 170  # no cell is cut
+_WIDTH = 170  # columns; wide enough for every cell
 
 
 def measure_single(effort: Effort) -> list[dict[str, Any]]:
-    """Single environments."""
+    """Measure single environments."""
     return [one.describe() for one in race(single.contenders(effort), effort.rounds, effort.single_seconds)]
 
 
 def measure_vector(effort: Effort) -> list[dict[str, Any]]:
-    """Vector environments."""
+    """Measure vector environments."""
     return [one.describe() for one in race(vector.contenders(effort), effort.vector_rounds, effort.seconds)]
 
 
 def measure_peers(effort: Effort) -> dict[str, Any]:
-    """Peers beside this suite and Reacher-v5."""
+    """Measure peers together with this suite and Reacher-v5."""
     found, described = peers.contenders()
-    beside = [
+    references = [
         one
         for one in single.contenders(effort)
         if one.label.kind == "single"
         and one.label.environment in (REACHER, FREE)
         and one.label.control_frequency == min(single.FREQUENCIES)
     ]
-    rates = race([*found, *beside], effort.vector_rounds, 2 * effort.seconds)
+    rates = race([*found, *references], effort.vector_rounds, 2 * effort.seconds)
     return {"rates": [one.describe() for one in rates], "peers": described}
 
 
 def measure_training(effort: Effort) -> dict[str, list[dict[str, Any]]]:
-    """Training."""
+    """Measure training."""
     found = {}
     for recipe in training.RECIPES[: effort.recipes]:
         contenders, shares = training.contenders(recipe, effort)
@@ -64,13 +64,13 @@ def measure_training(effort: Effort) -> dict[str, list[dict[str, Any]]]:
 
 
 def measure_costs(effort: Effort) -> dict[str, Any]:
-    """Steps and resets."""
+    """Measure the cost of steps and resets."""
     sizes = _QUICK_RESET_SIZES if effort is QUICK else _RESET_SIZES
     return {"steps": costs.split_steps(effort), "resets": costs.time_resets(effort, sizes)}
 
 
 def measure_evaluate(effort: Effort) -> dict[str, float]:
-    """The evaluation of all baselines, into a folder that is thrown away."""
+    """Measure the evaluation of all baselines, written to a temporary folder."""
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "prp_gym.cli.main", "evaluate", "--output", folder]
         start = time.perf_counter()
@@ -90,15 +90,17 @@ MEASURES: Mapping[str, Callable[[Effort], Any]] = {
 
 
 def main(
-    quick: Annotated[bool, typer.Option(help="A run that only shows that everything works.")] = False,
-    part: Annotated[list[str] | None, typer.Option(help="Part; repeatable. Default: all.")] = None,
-    with_evaluate: Annotated[bool, typer.Option(help="Time `make evaluate` too; not in a quick run.")] = True,
+    quick: Annotated[bool, typer.Option(help="A short run that only checks that everything works.")] = False,
+    part: Annotated[list[str] | None, typer.Option(help="Part to measure; repeatable. Default: all.")] = None,
+    with_evaluate: Annotated[
+        bool, typer.Option(help="Measure `make evaluate` too, except in a quick run.")
+    ] = True,
     output: Annotated[Path, typer.Option(help="Folder for bench.json.")] = Path("results/bench"),
-    docs: Annotated[Path, typer.Option(help="Folder of the page, written if nothing is left out.")] = Path(
-        "docs"
-    ),
+    docs: Annotated[
+        Path, typer.Option(help="Folder of the page, which is written if no part is left out.")
+    ] = Path("docs"),
 ) -> None:
-    """Measure the suite beside its peers: tables, bench.json, and the page with its picture."""
+    """Measure the suite and its peers, and write tables, bench.json, and the page with its figure."""
     chosen = part or [name for name in MEASURES if name != "evaluate" or (with_evaluate and not quick)]
     for name in chosen:
         if name not in MEASURES:

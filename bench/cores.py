@@ -1,4 +1,4 @@
-"""The bare loop on every core at once: what the machine gives to MuJoCo and nothing else."""
+"""The bare loop on all cores in parallel: the rate at which the machine runs MuJoCo alone."""
 
 import json
 import os
@@ -9,7 +9,7 @@ import gymnasium
 
 from bench.process import Measuring
 from bench.rounds import Contender, Effort, Label, timed
-from bench.single import PLACES, bare_loop, keywords
+from bench.single import CONDITIONS, bare_loop, keywords
 from prp_gym.physics.clock import clock_reading
 
 
@@ -19,20 +19,20 @@ def count_cores() -> int:
 
 
 class AllCores:
-    """A process a core, each with the bare loops of every place; they run at once and their rates are added.
+    """One process per core with the bare loops of all conditions; the rates of the processes are added.
 
     Args:
-        effort: how long episodes are.
+        effort: Effort of the run, whose duration of episodes is used.
     """
 
     def __init__(self, effort: Effort) -> None:
         command = [sys.executable, "-m", "bench.cores", str(effort.duration)]
         self._workers = [Measuring(command) for _ in range(count_cores())]
         for worker in self._workers:
-            worker.hear()  # it is ready
+            worker.hear()  # until it is ready
 
     def rate(self, index: int, clock: bool) -> Callable[[float], float]:
-        """The rate of all processes together in one of the places."""
+        """Rate of all processes together in one of the conditions."""
 
         def together(seconds: float) -> float:
             for worker in self._workers:
@@ -50,15 +50,15 @@ class AllCores:
 def contenders(effort: Effort) -> Iterator[Contender]:
     """The bare loops on all cores, with and without MuJoCo's clock."""
     workers = AllCores(effort)
-    for index, place in enumerate(PLACES):
+    for index, condition in enumerate(CONDITIONS):
         for clock in (True, False):
-            label = Label("bare_all_cores", *place, clock=clock)
+            label = Label("bare_all_cores", *condition, clock=clock)
             yield Contender(label, workers.rate(index, clock), workers.close)
 
 
 def main() -> None:
-    """`python -m bench.cores DURATION`: what each process does."""
-    labels = [Label("bare", *place) for place in PLACES]
+    """`python -m bench.cores DURATION`: the program of each process."""
+    labels = [Label("bare", *condition) for condition in CONDITIONS]
     envs = [gymnasium.make(one.environment, **keywords(one, float(sys.argv[1]))) for one in labels]
     rates = [timed(bare_loop(env)) for env in envs]
     print(json.dumps({"ready": True}), flush=True)

@@ -1,9 +1,9 @@
-"""What a step and a reset are made of.
+"""Cost of the parts of a step, and of a reset.
 
-The parts of a step are timed from within, in the same steps: the call that advances the physics, the step of
-the loop of environments that holds it (`EpisodeLoop.step`), and the step of the environment as it is made for
-users. What a part costs beyond the one that it holds is its own. A law is timed on the observations of these
-steps.
+The parts are timed within the same steps: the call that advances the physics, the step of the loop of
+environments that contains it (`EpisodeLoop.step`), and the step of the environment as users have it. The
+own cost of a part is its time without that of the part that it contains. Controllers are timed on the
+observations of these steps.
 """
 
 import time
@@ -17,10 +17,10 @@ import numpy as np
 
 import prp_gym
 from bench.rounds import ALL_CORES, CONTACT, FREE, Effort
-from bench.single import PLACES, random_actions
+from bench.single import CONDITIONS, random_actions
 from prp_gym.robot.arrays import Array
 
-LAWS = {FREE: "joint_inverse_dynamics", CONTACT: "impedance"}
+CONTROLLERS = {FREE: "joint_inverse_dynamics", CONTACT: "impedance"}
 GAINS = {500.0: "tuned", 50.0: "tuned_50hz"}
 _MOST_STEPS = 500
 _LEAST_STEPS = 8
@@ -29,13 +29,13 @@ _SUBSTEPS_A_TURN = 2**16  # of all environments together
 
 @dataclass(frozen=True)
 class Condition:
-    """Where costs are measured.
+    """Condition in which costs are measured.
 
     Attributes:
-        environment: id.
-        control_frequency: [Hz].
-        num_envs: N; a single environment is no vector environment.
-        threads: of the physics.
+        environment: Environment id.
+        control_frequency: Control frequency [Hz].
+        num_envs: Number of environments N; with N = 1 it is not a vector environment.
+        threads: Number of threads of the physics.
     """
 
     environment: str
@@ -45,27 +45,30 @@ class Condition:
 
 
 class Parts:
-    """The parts of one place, timed from within the environment as it is made for users.
+    """Parts of a step in one condition, timed within the environment as users have it.
 
     Args:
-        place: where.
-        effort: how long an episode is.
+        condition: Condition in which they are measured.
+        effort: Effort of the run, whose duration of episodes is used.
     """
 
-    def __init__(self, place: Condition, effort: Effort) -> None:
-        self.place = place
-        settings: dict[str, Any] = {"control_frequency": place.control_frequency, "duration": effort.duration}
-        self._single = gymnasium.make(place.environment, **settings)
+    def __init__(self, condition: Condition, effort: Effort) -> None:
+        self.condition = condition
+        settings: dict[str, Any] = {
+            "control_frequency": condition.control_frequency,
+            "duration": effort.duration,
+        }
+        self._single = gymnasium.make(condition.environment, **settings)
         inner: Any = self._single.unwrapped
-        most = _steps(place.num_envs * inner.config.substeps)
-        self._steps = min(inner.config.horizon - 1, most)  # nothing is reset on the way
-        self._actions = random_actions(place.num_envs, inner.action_space.shape[0])
-        gains = GAINS[place.control_frequency]
-        self._controller = prp_gym.make_baseline(LAWS[place.environment], self._single, gains)
+        most = _steps(condition.num_envs * inner.config.substeps)
+        self._steps = min(inner.config.horizon - 1, most)  # without resets
+        self._actions = random_actions(condition.num_envs, inner.action_space.shape[0])
+        gains = GAINS[condition.control_frequency]
+        self._controller = prp_gym.make_baseline(CONTROLLERS[condition.environment], self._single, gains)
         self._env: Any = self._single
-        if place.num_envs > 1:
+        if condition.num_envs > 1:
             self._env = gymnasium.make_vec(
-                place.environment, place.num_envs, num_threads=place.threads, **settings
+                condition.environment, condition.num_envs, num_threads=condition.threads, **settings
             )
         else:
             self._actions = self._actions[:, 0]
@@ -85,14 +88,14 @@ class Parts:
         return timed
 
     def measure(self) -> dict[str, float]:
-        """Seconds of each part for a step of one environment [s]."""
+        """Time of each part for a step of one environment [s]."""
         self._env.reset(seed=0)
         self._seconds = dict.fromkeys(self._seconds, 0.0)
         seen, start = [], time.perf_counter()
         for index in range(self._steps):
             seen.append(self._env.step(self._actions[index % len(self._actions)])[0])
         step, (loop, physics) = time.perf_counter() - start, self._seconds.values()
-        controller = self._time_law(seen)
+        controller = self._time_controller(seen)
         parts = {
             "physics": physics,
             "task": loop - physics,
@@ -100,9 +103,9 @@ class Parts:
             "step": step,
             "controller": controller,
         }
-        return {name: seconds / (self._steps * self.place.num_envs) for name, seconds in parts.items()}
+        return {name: seconds / (self._steps * self.condition.num_envs) for name, seconds in parts.items()}
 
-    def _time_law(self, seen: Sequence[Array]) -> float:
+    def _time_controller(self, seen: Sequence[Array]) -> float:
         state, start = None, time.perf_counter()
         for observation in seen:
             _, state = self._controller.predict(observation, state)
@@ -115,15 +118,15 @@ class Parts:
 
 
 def _steps(substeps: int) -> int:
-    """Steps of a turn in which all environments together take so many substeps a step."""
+    """Number of steps of a round, given the substeps that all environments together take per step."""
     return max(_LEAST_STEPS, min(_MOST_STEPS, _SUBSTEPS_A_TURN // substeps))
 
 
 def conditions(effort: Effort) -> Iterator[Condition]:
-    """The single environment, and many of them on one core and on all; in contact only a few."""
+    """The single environment, and vector environments on one core and on all; fewer of them in contact."""
     few = effort.library_size
     many = [count for count in effort.sizes if count >= few]
-    for environment, frequency in PLACES:
+    for environment, frequency in CONDITIONS:
         yield Condition(environment, frequency, 1, 1)
         yield Condition(environment, frequency, few, 1)
         for count in many if environment == FREE else [few]:
@@ -131,21 +134,27 @@ def conditions(effort: Effort) -> Iterator[Condition]:
 
 
 def split_steps(effort: Effort) -> list[dict[str, Any]]:
-    """Medians over the rounds of what each part of a step costs [s]."""
-    parts = [Parts(place, effort) for place in conditions(effort)]
+    """Medians over the rounds of the cost of each part of a step [s]."""
+    parts = [Parts(condition, effort) for condition in conditions(effort)]
     rounds = [[one.measure() for one in parts] for _ in range(effort.vector_rounds)]
     rows = []
     for index, one in enumerate(parts):
         seconds = _medians([turn[index] for turn in rounds])
-        rows.append({**vars(one.place), "law_name": LAWS[one.place.environment], "seconds": seconds})
+        rows.append(
+            {
+                **vars(one.condition),
+                "controller_name": CONTROLLERS[one.condition.environment],
+                "seconds": seconds,
+            }
+        )
         one.close()
     return rows
 
 
 def time_resets(effort: Effort, sizes: Sequence[int]) -> list[dict[str, Any]]:
-    """Medians of the time that a reset costs for each environment [s]: of all at once, and of one of N."""
+    """Medians of the time of a reset per environment [s]: of all together, and of one of N."""
     rows = []
-    for environment in LAWS:
+    for environment in CONTROLLERS:
         for count in sizes:
             reset, one = _resets(environment, count)
             turns = [{"all": reset() / count, "one": one()} for _ in range(effort.vector_rounds)]
@@ -154,7 +163,7 @@ def time_resets(effort: Effort, sizes: Sequence[int]) -> list[dict[str, Any]]:
 
 
 def _resets(environment: str, count: int) -> tuple[Callable[[], float], Callable[[], float]]:
-    """What resets all environments, and what resets the first; both return how long it took [s]."""
+    """Functions that reset all environments and the first one; both return the time that it took [s]."""
     env: Any = gymnasium.make(environment) if count == 1 else gymnasium.make_vec(environment, count)
     env.reset(seed=0)
     first = np.arange(count) == 0

@@ -1,4 +1,4 @@
-"""Figures that the page's texts name, each from the place that the text is about."""
+"""Values that the page's texts mention, each from the condition that the text is about."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -12,31 +12,31 @@ from bench.single import FREQUENCIES, REACHER_FREQUENCY
 Results = Mapping[str, Any]
 
 KEPT_UP_TO = 128
-"""Environments of a vector environment that have simulation data of their own, in `prp_gym.physics`."""
+"""Largest vector environment whose environments have simulation data of their own, in `prp_gym.physics`."""
 
 
 def numbers(results: Results) -> dict[str, str]:
-    """Figures of the texts on limits; those of places that a run left out are missing."""
+    """Values of the texts on limits; those of conditions that a run left out are missing."""
     return dict(
         [*_steps(results), *_growth(results), *_clock(results), *_training(results), *_evaluate(results)]
     )
 
 
 def _steps(results: Results) -> Iterator[tuple[str, str]]:
-    """`n64_500_task`, `one_core_500_task` and the like: parts of an environment's step in free space [µs]."""
+    """`n64_500_task`, `one_core_500_task` etc.: parts of an environment's step in free space [µs]."""
     for row in results["costs"]["steps"]:
         if row["environment"] != FREE:
             continue
-        place = f"n{row['num_envs']}_{row['control_frequency']:g}"
+        condition = f"n{row['num_envs']}_{row['control_frequency']:g}"
         if row["num_envs"] > 1 and row["threads"] != ALL_CORES:
-            place = f"one_core_{row['control_frequency']:g}"
+            condition = f"one_core_{row['control_frequency']:g}"
             yield "one_core_count", str(row["num_envs"])
         for part, seconds in row["seconds"].items():
-            yield f"{place}_{part}", f"{1e6 * seconds:.1f}"
+            yield f"{condition}_{part}", f"{1e6 * seconds:.1f}"
 
 
 def _growth(results: Results) -> Iterator[tuple[str, str]]:
-    """`growth_500_physics` and the like: from the fewest to the most environments [µs]."""
+    """`growth_500_physics` etc.: from the fewest to the most environments [µs]."""
     seconds = {
         (row["control_frequency"], row["num_envs"]): row["seconds"]
         for row in results["costs"]["steps"]
@@ -51,7 +51,7 @@ def _growth(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def _clock(results: Results) -> Iterator[tuple[str, str]]:
-    """How many times as fast a loop on one core is without MuJoCo's clock."""
+    """Rate of a loop on one core without MuJoCo's clock, relative to the rate with it."""
     loops = {"reacher_gain": Label("single", REACHER, REACHER_FREQUENCY)}
     for frequency in FREQUENCIES:
         loops[f"bare_{frequency:g}_gain"] = Label("bare", FREE, frequency)
@@ -65,7 +65,7 @@ def _gain(rows: Any, label: Label) -> str:
 
 
 def _training(results: Results) -> Iterator[tuple[str, str]]:
-    """Shares of training [%], and how fast it were against Reacher-v5 if environments took no time."""
+    """Shares of training [%], and its rate relative to Reacher-v5 if environments took no time."""
     rows = results["training"][LARGE_PPO]
     count = int(rows[0]["num_envs"])
     peer = Label("dummy", REACHER, REACHER_FREQUENCY, count, clock=True)

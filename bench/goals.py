@@ -1,4 +1,4 @@
-"""What the suite's speed should be, and whether a run of the benchmark reached it."""
+"""Goals for the suite's speed, and whether a run of the benchmark reached them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,18 +24,18 @@ WITHOUT_CLOCK = "clock off for both"
 
 @dataclass(frozen=True)
 class Goal:
-    """One goal with what a run reached.
+    """A goal, and the value that a run reached.
 
     Attributes:
-        key: of the text that says what limits it, in `limits.toml`.
-        what: is compared.
-        how: which clocks ran.
-        target: the figure to reach.
-        at_least: whether the target is the least or the most allowed.
-        unit: of the figures: `times`, `%` or `s`.
-        reached: median over the rounds.
-        lowest: over the rounds.
-        highest: over the rounds.
+        key: Key of the text in `limits.toml` that explains what limits it.
+        what: Programs that are compared.
+        how: Clock settings of the programs.
+        target: Value to be reached.
+        at_least: Whether the target is a lower or an upper bound.
+        unit: Unit of the values: `times`, `%` or `s`.
+        reached: Median over the rounds.
+        lowest: Lowest value over the rounds.
+        highest: Highest value over the rounds.
     """
 
     key: str
@@ -50,18 +50,18 @@ class Goal:
 
     @property
     def met(self) -> bool:
-        """Whether it was reached."""
+        """Whether the goal was reached."""
         return self.reached >= self.target if self.at_least else self.reached <= self.target
 
 
 @dataclass(frozen=True)
 class Question:
-    """What several goals have in common.
+    """Common part of several goals.
 
     Attributes:
-        key: see `Goal`.
-        what: see `Goal`.
-        target: the least ratio.
+        key: Key of the explaining text, see `Goal`.
+        what: Programs that are compared, see `Goal`.
+        target: Lower bound of the ratio of rates.
     """
 
     key: str
@@ -69,12 +69,12 @@ class Question:
     target: float
 
     def answer(self, how: str, rows: Rows, one: Label, other: Label) -> Goal:
-        """The median over the rounds of how many times as fast one is as another."""
+        """Goal for the median over the rounds of the ratio of two rates."""
         values = ratios(rows, one, other)
         return Goal(self.key, self.what, how, self.target, True, "times", *_spread(values))
 
     def both(self, rows: Rows, own: Label, peer: Label) -> Iterator[Goal]:
-        """Against a peer with the clock that it ships with, and against the same peer without."""
+        """Goals relative to a peer with its default clock setting, and to the same peer without clock."""
         for how, clock in ((AS_SHIPPED, True), (WITHOUT_CLOCK, False)):
             yield self.answer(how, rows, own, replace(peer, clock=clock))
 
@@ -116,7 +116,7 @@ def _growth(rows: Rows, frequency: float) -> Goal:
 
 
 def _has_sizes(rows: Rows) -> bool:
-    """Whether a run has the sizes of vector environments that the goals are about."""
+    """Whether a run has the sizes of vector environments that the goals require."""
     sizes = {row["num_envs"] for row in rows if row["kind"] == "native"}
     return {*BARE_SIZES, *GROWTH_SIZES, SYNC_SIZE} <= sizes
 
@@ -133,7 +133,7 @@ def _training(results: Results) -> Iterator[Goal]:
 
 def _evaluate(results: Results) -> Iterator[Goal]:
     seconds = results["evaluate"]["seconds"]
-    what = "`make evaluate`, all laws on all environments"
+    what = "`make evaluate`, all controllers on all environments"
     yield Goal("evaluate", what, AS_SHIPPED, EVALUATION_LIMIT, False, "s", seconds, seconds, seconds)
 
 
@@ -151,5 +151,5 @@ def goals(results: Results) -> list[Goal]:
 
 
 def describe(goal: Goal) -> dict[str, Any]:
-    """As it stands in the results."""
+    """The goal as it is stored in the results."""
     return {**vars(goal), "met": goal.met}

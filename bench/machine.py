@@ -1,4 +1,4 @@
-"""The machine that a benchmark ran on."""
+"""Description of the machine on which a benchmark ran."""
 
 import os
 import platform
@@ -14,7 +14,7 @@ _LIBRARIES = ("stable_baselines3", "torch", "matplotlib")
 
 
 def processor() -> str:
-    """Its name, as far as the system tells."""
+    """Name of the processor, as far as the system provides it."""
     if _CPUS.exists():
         for line in _CPUS.read_text(encoding="utf-8", errors="replace").splitlines():
             if line.startswith("model name"):
@@ -23,7 +23,7 @@ def processor() -> str:
 
 
 def describe(command: str) -> dict[str, Any]:
-    """Versions, machine and command, with how busy the machine is now."""
+    """Versions, machine and command, with the current load of the machine."""
     about = describe_run(command)
     del about["units"]  # of metrics
     about["versions"] |= {name: version(name) for name in _LIBRARIES}

@@ -1,4 +1,4 @@
-"""Memory that each environment of a vector environment takes, from processes that hold nothing else."""
+"""Memory of each environment of a vector environment, measured in processes of its own."""
 
 import os
 import subprocess
@@ -18,14 +18,14 @@ _STATUS = Path("/proc/self/statm")
 
 
 def resident_bytes() -> int:
-    """Memory of this process that is in use; 0 where the system does not say."""
+    """Memory that this process uses; 0 if the system does not provide it."""
     if not _STATUS.exists():
         return 0
     return int(_STATUS.read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def measure(effort: Effort) -> list[dict[str, Any]]:
-    """Bytes an environment: what N of them take beyond a single one, over N - 1."""
+    """Bytes per environment: the memory of N environments beyond that of a single one, divided by N - 1."""
     conditions = [
         (environment, count) for environment in (FREE, CONTACT) for count in _counts(environment, effort)
     ]
@@ -43,13 +43,13 @@ def measure(effort: Effort) -> list[dict[str, Any]]:
 
 
 def _counts(environment: str, effort: Effort) -> list[int]:
-    """One and every size in free space; in contact, where preparing takes long, only some of them."""
+    """One and all sizes in free space; only some of them in contact, where preparation takes long."""
     chosen = set(effort.sizes) & set(_SIZES.get(environment, effort.sizes))
     return sorted({1, *chosen})
 
 
-def _in_process(place: tuple[str, int]) -> int:
-    environment, count = place
+def _in_process(condition: tuple[str, int]) -> int:
+    environment, count = condition
     command = [sys.executable, "-m", "bench.memory", environment, str(count)]
     return int(subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()[-1])
 

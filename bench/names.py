@@ -1,4 +1,4 @@
-"""How contenders are called in tables and pictures."""
+"""Names of the measured programs in tables and figures."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -21,25 +21,25 @@ _SUBSTEPS_PER_SECOND = 1000
 
 
 def contender_name(row: Row) -> str:
-    """What runs."""
+    """Name of the program that is measured."""
     if row["kind"] == "native":
         return "native, all cores" if row["threads"] == 0 else "native, one thread"
     return _KINDS[row["kind"]]
 
 
 def is_as_shipped(row: Row) -> bool:
-    """Whether MuJoCo's clock runs as it does for users: this suite stops it, all others read it."""
+    """Whether MuJoCo's clock has its default setting: off in this suite, on in all others."""
     own = row["environment"].startswith("PRP-") and not row["kind"].startswith("bare")
     return bool(row["clock"] != own)
 
 
 def frequency_text(row: Row) -> str:
-    """Rate of control."""
+    """Control frequency."""
     return f"{row['control_frequency']:g} Hz"
 
 
 def substeps(row: Row, peers: Sequence[Row] = ()) -> str:
-    """Steps of the physics in a step of the environment."""
+    """Number of physics steps per environment step."""
     for peer in peers:
         if peer["environment"] == row["environment"]:
             return str(peer["substeps"])
@@ -49,6 +49,6 @@ def substeps(row: Row, peers: Sequence[Row] = ()) -> str:
 
 
 def count_text(value: float) -> str:
-    """A rate [1/s] with three figures and a comma between thousands."""
+    """A rate [1/s] with three digits and a comma between thousands."""
     digits = max(0, len(str(int(value))) - 3)
     return f"{round(value, -digits):,.0f}"

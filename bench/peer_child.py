@@ -1,7 +1,7 @@
-"""Steps a second of a peer's environment, in that peer's own virtual environment.
+"""Steps per second of a peer's environment, in that peer's own virtual environment.
 
-It answers lines of JSON with lines of JSON (see `bench.process`), and imports nothing but Gymnasium, NumPy
-and the peer.
+It replies to lines of JSON with lines of JSON (see `bench.process`), and imports only Gymnasium, NumPy and
+the peer.
 """
 
 import contextlib
@@ -17,12 +17,12 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-ACTION_SHARE = 0.2  # as in the other loops
+ACTION_SHARE = 0.2  # as for all other programs
 _CHUNK = 20
 
 
 def stop_clock() -> None:
-    """Let MuJoCo's steps read no clock."""
+    """Turn off the clock of MuJoCo's steps."""
     import mujoco
 
     for path in sorted(Path(mujoco.__file__).parent.glob("libmujoco*")):
@@ -31,7 +31,7 @@ def stop_clock() -> None:
 
 
 def steps_per_second(env: Any, actions: Any, seconds: float) -> float:
-    """Steps a second over about so many seconds, with resets."""
+    """Steps per second over about the given time, with resets."""
     steps, start = 0, time.perf_counter()
     while (elapsed := time.perf_counter() - start) < seconds:
         for action in actions[steps % len(actions) :][:_CHUNK]:
@@ -43,9 +43,9 @@ def steps_per_second(env: Any, actions: Any, seconds: float) -> float:
 
 
 def main() -> None:
-    """`python peer_child.py MODULE ID CLOCK PACKAGE...`: tell the packages' versions, then measure."""
+    """`python peer_child.py MODULE ID CLOCK PACKAGE...`: print the packages' versions, then measure."""
     module, environment, clock, *packages = sys.argv[1:]
-    answers, sys.stdout = sys.stdout, sys.stderr  # what the libraries print is no answer
+    answers, sys.stdout = sys.stdout, sys.stderr  # output of the libraries is not a reply
     gymnasium.register_envs(importlib.import_module(module))
     env = gymnasium.make(environment)
     shape = (10 * _CHUNK, *env.action_space.shape)  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""Peers that cannot live beside this suite: each in a virtual environment of its own, `make peers`."""
+"""Peers that exclude this suite's requirements, each in a virtual environment of its own: `make peers`."""
 
 import json
 import subprocess
@@ -23,13 +23,13 @@ class Peer:
     """An environment of another project.
 
     Attributes:
-        name: of its folder.
-        module: that registers it.
-        environment: id.
-        control_frequency: [Hz].
-        substeps: of its physics in a step.
-        packages: name==version to install; the first is the physics.
-        clocks: whether it reads MuJoCo's clock, as installed and as it is measured beside that.
+        name: Name of its folder.
+        module: Module that registers it.
+        environment: Environment id.
+        control_frequency: Control frequency [Hz].
+        substeps: Number of physics steps per environment step.
+        packages: Packages to install as name==version; the first is the physics engine.
+        clocks: Whether it reads MuJoCo's clock: its default, then the other settings that are measured.
     """
 
     name: str
@@ -68,7 +68,7 @@ def _python(peer: Peer, folder: Path) -> Path:
 
 
 def _installed(peer: Peer, folder: Path) -> dict[str, Any]:
-    """What the last installation left: its packages, and the reason where it failed."""
+    """Record of the last installation: its packages, and the reason if it failed."""
     record = folder / f"{peer.name}.json"
     if not record.exists():
         return {"packages": [], "reason": "not installed; see `make peers`"}
@@ -77,10 +77,10 @@ def _installed(peer: Peer, folder: Path) -> dict[str, Any]:
 
 
 def install(peer: Peer, folder: Path = FOLDER) -> str:
-    """Install a peer, unless these very versions of it were installed before.
+    """Install a peer, unless the same versions were installed before.
 
     Returns:
-        why it could not be done, empty where it could; the benchmark shows it.
+        Reason why it failed, which the benchmark shows; empty if it succeeded.
     """
     if _installed(peer, folder) == {"packages": list(peer.packages), "reason": ""}:
         return ""
@@ -100,10 +100,10 @@ def install(peer: Peer, folder: Path = FOLDER) -> str:
 
 
 def start(peer: Peer, clock: bool, folder: Path) -> tuple[Measuring, dict[str, str]]:
-    """A peer's process, and the versions of its packages.
+    """Start a peer's process, and read the versions of its packages.
 
     Raises:
-        ProcessError: it is not installed, or does not run.
+        ProcessError: The peer is not installed or does not run.
     """
     if reason := _installed(peer, folder)["reason"]:
         raise ProcessError(reason)
@@ -130,7 +130,7 @@ def _rate(process: Measuring, seconds: float) -> float:
 
 
 def contenders(folder: Path = FOLDER) -> tuple[list[Contender], list[dict[str, Any]]]:
-    """The peers that run here, and a description of every peer, with the reason where one does not."""
+    """Peers that run on this machine, and a description of every peer, with the reason if it does not run."""
     found: list[Contender] = []
     described: list[dict[str, Any]] = []
     for peer in PEERS:
@@ -147,7 +147,7 @@ def contenders(folder: Path = FOLDER) -> tuple[list[Contender], list[dict[str, A
 
 
 def main(show: Callable[[str], object] = print) -> None:
-    """Install every peer; one that fails is named, and is no reason to stop."""
+    """Install every peer; a failure is reported and does not stop the others."""
     for peer in PEERS:
         show(f"{peer.environment}: {install(peer) or 'installed'}")
 

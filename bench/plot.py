@@ -1,4 +1,4 @@
-"""The picture of the benchmark: throughput against the number of environments."""
+"""Figure of the benchmark: throughput against the number of environments."""
 
 import io
 from collections.abc import Mapping, Sequence
@@ -33,13 +33,13 @@ _BARE = (
 
 
 def draw(rows: Sequence[Row]) -> bytes:
-    """Throughput against N at both rates of control, as a PNG."""
+    """Throughput against N at both control frequencies, as a PNG."""
     figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
     FigureCanvasAgg(figure)
     panels = figure.subplots(1, 2, sharey=True)
     for axes, frequency in zip(panels, (500.0, 50.0), strict=True):
         _draw_panel(axes, rows, frequency)
-    panels[0].set_ylabel("environment steps a second")
+    panels[0].set_ylabel("environment steps per second")
     handles: dict[str, Any] = {}
     for axes in panels:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):

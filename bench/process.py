@@ -1,4 +1,4 @@
-"""Measurements in processes of their own: they answer a line of JSON to a line of JSON."""
+"""Measurements in separate processes, which reply to a line of JSON with a line of JSON."""
 
 import json
 import subprocess
@@ -8,7 +8,7 @@ from typing import Any
 
 
 class ProcessError(RuntimeError):
-    """A process that does not answer, with the last line that it wrote on standard error."""
+    """A process does not reply; the message is the last line that it wrote to standard error."""
 
 
 def last_line(text: str) -> str:
@@ -18,10 +18,10 @@ def last_line(text: str) -> str:
 
 
 class Measuring:
-    """A process that says hello when it is ready, and then answers what it is asked.
+    """A process that replies once when it is ready, and then to each request.
 
     Args:
-        command: that starts it.
+        command: Command that starts the process.
     """
 
     def __init__(self, command: Sequence[str]) -> None:
@@ -31,16 +31,16 @@ class Measuring:
         )
 
     def tell(self, question: Mapping[str, Any]) -> None:
-        """Ask, and do not wait."""
+        """Send a request without waiting for the reply."""
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(question) + "\n")
         self._process.stdin.flush()
 
     def hear(self) -> dict[str, Any]:
-        """Wait for an answer; whatever else libraries write on standard output is passed over.
+        """Wait for a reply; other output of libraries on standard output is skipped.
 
         Raises:
-            ProcessError: it ended instead.
+            ProcessError: The process ended instead.
         """
         assert self._process.stdout is not None
         for line in self._process.stdout:
@@ -52,12 +52,12 @@ class Measuring:
         raise ProcessError(last_line(self._errors.read()))
 
     def rate(self, question: Mapping[str, Any]) -> float:
-        """Ask for steps a second, and wait."""
+        """Request a measurement, and return its steps per second."""
         self.tell(question)
         return float(self.hear()["steps_per_second"])
 
     def close(self) -> None:
-        """End it; a second time does nothing."""
+        """End the process; a second call has no effect."""
         if self._process.stdin is not None and not self._process.stdin.closed:
             self._process.communicate()
             self._errors.close()

@@ -17,7 +17,7 @@ from prp_gym.evaluation.results import write_file
 Results = Mapping[str, Any]
 
 PARTS = ("single", "vector", "peers", "training", "costs", "memory")
-"""Without which there is no page."""
+"""Parts without which the page is not written."""
 
 _HERE = Path(__file__).parent
 _EFFORT = ("rounds", "vector_rounds", "single_seconds", "seconds", "duration")
@@ -68,19 +68,19 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def machine_text(results: Results) -> str:
-    """The machine and the versions on it, in a sentence's part."""
+    """Machine and versions as a part of a sentence."""
     machine, versions = results["machine"], results["versions"]
     load = ", ".join(f"{value:.2f}" for value in machine["load_average"])
-    with_ = ", ".join(f"{name} {versions[name]}" for name in _VERSIONS)
+    listed = ", ".join(f"{name} {versions[name]}" for name in _VERSIONS)
     return (
         f"{machine['processor']}, {machine['cores']} cores, {machine['system']} {machine['architecture']},"
-        f" load average {load} at the start; {with_}"
+        f" load average {load} at the start; {listed}"
     )
 
 
-def missed_text(target_impedance: Sequence[Goal], facts: Mapping[str, str]) -> str:
-    """What limits the goals that were missed."""
-    missed = [goal for goal in target_impedance if not goal.met]
+def missed_text(measured: Sequence[Goal], facts: Mapping[str, str]) -> str:
+    """Explanations of what limits the missed goals."""
+    missed = [goal for goal in measured if not goal.met]
     if not missed:
         return "Every goal is met."
     limits = tomllib.loads((_HERE / "limits.toml").read_text(encoding="utf-8"))

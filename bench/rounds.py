@@ -1,4 +1,4 @@
-"""Races: contenders take turns, so that a machine whose speed drifts does not favour one of them."""
+"""Measurements in rounds: programs take turns, so that a drift of the machine's speed favours none."""
 
 import gc
 import time
@@ -14,24 +14,24 @@ from prp_gym.robot.arrays import Array
 
 FREE, CONTACT, REACHER = "PRP-JointTracking-v0", "PRP-Impedance-v0", "Reacher-v5"
 ALL_CORES = 0
-"""As a number of threads."""
+"""Number of threads that stands for all cores."""
 
 LARGE_PPO = "PPO, N = 64"
-"""The training that a goal is about."""
+"""Name of the training that a goal is about."""
 
 
 @dataclass(frozen=True)
 class Label:
-    """What a contender is.
+    """Label of a measured program.
 
     Attributes:
-        kind: the program: `bare` and `bare_all_cores` for MuJoCo alone, `single`, `native`, `sync`, `async`,
-            `dummy` and `adapter` for environments.
-        environment: id.
-        control_frequency: environment steps a simulated second [Hz].
-        num_envs: N.
-        threads: of the physics; 0 takes all cores.
-        clock: whether MuJoCo reads its clock in every step, as its Python module makes it do.
+        kind: Kind of program: `bare` and `bare_all_cores` for MuJoCo alone, `single`, `native`, `sync`,
+            `async`, `dummy` and `adapter` for environments.
+        environment: Environment id.
+        control_frequency: Environment steps per simulated second [Hz].
+        num_envs: Number of environments N.
+        threads: Number of threads of the physics; 0 uses all cores.
+        clock: Whether MuJoCo reads its clock in every step, as its Python module makes it do.
     """
 
     kind: str
@@ -47,9 +47,9 @@ class Contender:
     """A loop that can be timed.
 
     Attributes:
-        label: what it is.
-        rate: environment steps a second over about so many seconds.
-        close: ends it.
+        label: Label of the program.
+        rate: Function that returns environment steps per second, measured over about the given time [s].
+        close: Function that ends the program.
     """
 
     label: Label
@@ -59,19 +59,19 @@ class Contender:
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is measured.
+    """Extent of a run.
 
     Attributes:
-        rounds: of the single environments; their medians are reported.
-        vector_rounds: of everything else.
-        single_seconds: that each single environment runs in a round [s].
-        seconds: that everything else runs in a round [s].
-        sizes: N of the native vector environment; the goals need 64, 256, 1024 and 4096.
-        loop_sizes: N of the vector environments that loop over single ones.
-        library_size: N of Stable-Baselines3's vector environments.
-        duration: of an episode [s].
-        recipes: how many of the ways to train.
-        training_scale: of the steps that agents are trained for.
+        rounds: Number of rounds of the single environments; their medians are reported.
+        vector_rounds: Number of rounds of all other programs.
+        single_seconds: Time that each single environment runs in a round [s].
+        seconds: Time that each other program runs in a round [s].
+        sizes: Sizes N of the native vector environment; the goals need 64, 256, 1024 and 4096.
+        loop_sizes: Sizes N of the vector environments that loop over single ones.
+        library_size: Size N of Stable-Baselines3's vector environments.
+        duration: Duration of an episode [s].
+        recipes: Number of training recipes that are measured.
+        training_scale: Factor of the steps for which agents are trained.
     """
 
     rounds: int
@@ -92,24 +92,24 @@ QUICK = Effort(2, 2, 0.001, 0.001, (1, 4), (2,), 4, 0.1, 1, 0.001)
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Rates of one contender.
+    """Rates of one program.
 
     Attributes:
-        label: what it is.
-        rates: of every round [1/s].
+        label: Label of the program.
+        rates: Rates of all rounds [1/s].
     """
 
     label: Label
     rates: Array
 
     def describe(self) -> dict[str, Any]:
-        """As it stands in the results."""
+        """The result as it is stored."""
         spread = {"median": np.median(self.rates), "lowest": self.rates.min(), "highest": self.rates.max()}
         return {**asdict(self.label), **spread, "rates": self.rates}
 
 
 def timed(chunk: Callable[[], float]) -> Callable[[float], float]:
-    """The rate of a chunk of work that returns how many steps it took, called until the time is over."""
+    """Function that measures the rate of a chunk, which returns its number of steps."""
 
     def rate(seconds: float) -> float:
         steps, start = 0.0, time.perf_counter()
@@ -121,19 +121,19 @@ def timed(chunk: Callable[[], float]) -> Callable[[float], float]:
 
 
 def race(contenders: Sequence[Contender], rounds: int, seconds: float) -> list[Result]:
-    """Time contenders in turn, and end them.
+    """Measure programs in turn, and end them.
 
     Args:
-        contenders: each with its own label.
-        rounds: turns of each.
-        seconds: of a turn [s].
+        contenders: Programs with different labels.
+        rounds: Number of rounds.
+        seconds: Time of each program in a round [s].
 
     Returns:
-        the rates of each contender, in their order.
+        Rates of each program, in the given order.
     """
     rates: list[list[float]] = [[] for _ in contenders]
     gc.collect()
-    gc.freeze()  # what waits for its turn costs the others no time
+    gc.freeze()  # programs that wait cost the others no time
     try:
         for _ in range(rounds):
             for contender, values in zip(contenders, rates, strict=True):
@@ -147,10 +147,10 @@ def race(contenders: Sequence[Contender], rounds: int, seconds: float) -> list[R
 
 
 def find(rows: Iterable[Mapping[str, Any]], label: Label) -> Mapping[str, Any]:
-    """The row of a contender among those of a section of the results.
+    """The row of a program in a section of the results.
 
     Raises:
-        UnknownNameError: there is none.
+        UnknownNameError: There is no such row.
     """
     wanted, names = asdict(label), []
     for row in rows:
@@ -161,6 +161,6 @@ def find(rows: Iterable[Mapping[str, Any]], label: Label) -> Mapping[str, Any]:
 
 
 def ratios(rows: Sequence[Mapping[str, Any]], one: Label, other: Label) -> Array:
-    """How many times as fast one contender was as another in each round (rounds)."""
+    """Ratio of the rates of two programs in each round (rounds)."""
     quotient: Array = np.array(find(rows, one)["rates"]) / np.array(find(rows, other)["rates"])
     return quotient

@@ -1,4 +1,4 @@
-"""The tables of the benchmark, made from its results alone."""
+"""Tables of the benchmark, made from its results alone."""
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from bench.goals import AS_SHIPPED, WITHOUT_CLOCK, goals
 from bench.names import contender_name, count_text, frequency_text, is_as_shipped, substeps
 from bench.rounds import ALL_CORES, Label, find, ratios
-from bench.single import PLACES
+from bench.single import CONDITIONS
 from prp_gym.robot.arrays import Array
 
 Results = Mapping[str, Any]
@@ -26,11 +26,11 @@ class Sheet:
     """A table.
 
     Attributes:
-        name: in the page's template.
-        title: for people.
-        headers: of the columns; the first holds names.
-        rows: cells.
-        texts: how many of the first columns hold text; the others hold figures.
+        name: Name in the page's template.
+        title: Title for people.
+        headers: Headers of the columns, of which the first holds names.
+        rows: Cells of all rows.
+        texts: Number of leading columns that hold text; the others hold numbers.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Sheet:
 
 
 def goal_sheet(results: Results) -> Sheet:
-    """Goals, what was reached, and whether that is enough."""
+    """Goals, the values reached, and whether they meet the goals."""
     rows = []
     for goal in goals(results):
         sign = "at least" if goal.at_least else "at most"
@@ -59,17 +59,21 @@ def goal_sheet(results: Results) -> Sheet:
             )
         )
     return Sheet(
-        "goals", "goals", ("what", "clock", "goal", "reached", "over the rounds", ""), tuple(rows), 2
+        "goals",
+        "goals",
+        ("comparison", "clock", "goal", "reached", "range over rounds", "result"),
+        tuple(rows),
+        2,
     )
 
 
-def _pairs(rows: Rows) -> dict[tuple[Any, ...], dict[bool, Mapping[str, Any]]]:
-    """Rows of one contender with and without the clock, by everything else."""
-    pairs: dict[tuple[Any, ...], dict[bool, Mapping[str, Any]]] = {}
+def _by_clock(rows: Rows) -> dict[tuple[Any, ...], dict[bool, Mapping[str, Any]]]:
+    """Rows with and without the clock, by everything else."""
+    found: dict[tuple[Any, ...], dict[bool, Mapping[str, Any]]] = {}
     for row in rows:
         key = tuple(row[n] for n in ("kind", "environment", "control_frequency", "num_envs", "threads"))
-        pairs.setdefault(key, {})[row["clock"]] = row
-    return pairs
+        found.setdefault(key, {})[row["clock"]] = row
+    return found
 
 
 def _rate(row: Mapping[str, Any] | None) -> str:
@@ -83,8 +87,8 @@ def _span(row: Mapping[str, Any]) -> str:
 def single_sheet(name: str, title: str, rows: Rows, peers: Rows = ()) -> Sheet:
     """Loops on one core, with and without MuJoCo's clock."""
     cells = []
-    for pair in _pairs(rows).values():
-        shown = next(row for row in pair.values() if is_as_shipped(row) or len(pair) == 1)
+    for by_clock in _by_clock(rows).values():
+        shown = next(row for row in by_clock.values() if is_as_shipped(row) or len(by_clock) == 1)
         cells.append(
             (
                 contender_name(shown),
@@ -93,15 +97,15 @@ def single_sheet(name: str, title: str, rows: Rows, peers: Rows = ()) -> Sheet:
                 substeps(shown, peers),
                 _rate(shown),
                 _span(shown),
-                _rate(pair.get(not shown["clock"])),
+                _rate(by_clock.get(not shown["clock"])),
             )
         )
-    headers = ("loop", "environment", "control", "substeps", "steps/s as shipped", "over the rounds")
-    return Sheet(name, title, (*headers, "clock the other way"), tuple(cells), 2)
+    headers = ("loop", "environment", "control", "substeps", "steps/s as shipped", "range over rounds")
+    return Sheet(name, title, (*headers, "with the opposite clock setting"), tuple(cells), 2)
 
 
 def peer_sheet(results: Results) -> Sheet:
-    """Peers of other projects, and why those are missing that did not run."""
+    """Peers of other projects, and the reason for those that did not run."""
     part = results["peers"]
     sheet = single_sheet("peers", "peers, one core", part["rates"], part["peers"])
     missing = [_missing(peer) for peer in part["peers"] if peer["reason"]]
@@ -121,21 +125,21 @@ def _missing(peer: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def vector_sheets(results: Results) -> Iterator[Sheet]:
-    """A table a place: kinds of vector environments by their number N."""
+    """One table per condition: kinds of vector environments by their number N."""
     rows = results["vector"]
     counts = sorted({row["num_envs"] for row in rows})
     conditions = dict.fromkeys((row["environment"], row["control_frequency"]) for row in rows)
     for environment, frequency in sorted(conditions):
         own = [r for r in rows if (r["environment"], r["control_frequency"]) == (environment, frequency)]
         by_name: dict[str, dict[int, str]] = {}
-        for (_, _, _, count, _), pair in _pairs(own).items():
-            shown = next(row for row in pair.values() if is_as_shipped(row))
-            other = pair.get(not shown["clock"])
+        for (_, _, _, count, _), by_clock in _by_clock(own).items():
+            shown = next(row for row in by_clock.values() if is_as_shipped(row))
+            other = by_clock.get(not shown["clock"])
             text = f"{_rate(shown)} ({_rate(other)})"
             by_name.setdefault(contender_name(shown), {})[count] = text
         cells = tuple((name, *(found.get(n, "") for n in counts)) for name, found in by_name.items())
-        title = f"{environment} at {frequency:g} Hz, steps/s as shipped (clock the other way)"
-        yield Sheet("vector", title, ("", *(f"N = {count}" for count in counts)), cells)
+        title = f"{environment} at {frequency:g} Hz, steps/s as shipped (opposite clock setting)"
+        yield Sheet("vector", title, ("program", *(f"N = {count}" for count in counts)), cells)
 
 
 def _median(values: Array) -> str:
@@ -143,13 +147,13 @@ def _median(values: Array) -> str:
 
 
 def share_sheet(results: Results) -> Sheet:
-    """How near environments come to the bare loop of the same models, in the same rounds."""
+    """Rates of environments relative to the bare loop on the same models, in the same rounds."""
     single, vector = results["single"], results["vector"]
     native = [row for row in vector if row["kind"] == "native"]
     conditions = {(row["environment"], row["control_frequency"], row["num_envs"]) for row in native}
     counts = sorted({row["num_envs"] for row in native})
     cells = []
-    for (environment, frequency), (how, clock) in itertools.product(PLACES, _CLOCKS):
+    for (environment, frequency), (how, clock) in itertools.product(CONDITIONS, _CLOCKS):
         bare = Label("bare", environment, frequency, clock=clock)
         shares = [_median(ratios(single, Label("single", environment, frequency), bare))]
         for count in counts:
@@ -160,12 +164,12 @@ def share_sheet(results: Results) -> Sheet:
         scaling = find(vector, replace(bare, kind="bare_all_cores"))["median"] / find(single, bare)["median"]
         cells.append((environment, f"{frequency:g} Hz", how, *shares, f"{scaling:.2f}"))
     headers = ("environment", "control", "clock", "single", *(f"N = {count}" for count in counts))
-    title = "rates over those of bare mj_step, on one core for the single environment and on all for N"
-    return Sheet("shares", title, (*headers, "bare, all cores over one"), tuple(cells), 3)
+    title = "rates divided by those of bare mj_step, on one core for the single environment, on all for N"
+    return Sheet("shares", title, (*headers, "bare loop, all cores / one core"), tuple(cells), 3)
 
 
 def training_sheet(results: Results) -> Sheet:
-    """Training, and where its time goes."""
+    """Training, and the shares of its time."""
     cells = []
     for recipe, rows in results["training"].items():
         for row in rows:
@@ -173,7 +177,7 @@ def training_sheet(results: Results) -> Sheet:
             where = f"{row['environment']} {frequency_text(row)}, {contender_name(row)}"
             clock = "read" if row["clock"] else "stopped"
             cells.append((recipe, where, clock, _rate(row), _span(row), *shares))
-    headers = ("", "environment", "clock", "steps/s", "over the rounds")
+    headers = ("training", "environment", "clock", "steps/s", "range over rounds")
     return Sheet(
         "training",
         "training with Stable-Baselines3",
@@ -184,7 +188,7 @@ def training_sheet(results: Results) -> Sheet:
 
 
 def cost_sheet(results: Results) -> Sheet:
-    """What a step is made of."""
+    """Cost of the parts of a step."""
     cells = []
     for row in results["costs"]["steps"]:
         seconds = row["seconds"]
@@ -192,8 +196,8 @@ def cost_sheet(results: Results) -> Sheet:
             f"{1e6 * seconds[name]:.1f}" for name in ("step", "physics", "task", "wrapper", "controller")
         )
         threads = "all cores" if row["threads"] == 0 else "one core"
-        place = (row["environment"], frequency_text(row), str(row["num_envs"]), threads)
-        cells.append((*place, *parts, row["law_name"]))
+        condition = (row["environment"], frequency_text(row), str(row["num_envs"]), threads)
+        cells.append((*condition, *parts, row["controller_name"]))
     headers = (
         "environment",
         "control",
@@ -205,26 +209,28 @@ def cost_sheet(results: Results) -> Sheet:
         "wrapper",
         "controller",
     )
-    return Sheet("costs", "µs a step of one environment", (*headers, "which law"), tuple(cells))
+    return Sheet(
+        "costs", "µs per step of one environment", (*headers, "name of the controller"), tuple(cells)
+    )
 
 
 def reset_sheet(results: Results) -> Sheet:
-    """What a reset costs."""
+    """Cost of a reset."""
     cells = []
     for row in results["costs"]["resets"]:
         times = (f"{1e6 * row['seconds'][name]:.0f}" for name in ("all", "one"))
         cells.append((row["environment"], str(row["num_envs"]), *times))
-    headers = ("environment", "N", "reset of all, µs an environment", "reset of one, µs")
+    headers = ("environment", "N", "reset of all, µs per environment", "reset of one, µs")
     return Sheet("resets", "resets", headers, tuple(cells))
 
 
 def memory_sheet(results: Results) -> Sheet:
-    """Memory an environment."""
+    """Memory per environment."""
     cells = tuple(
         (row["environment"], str(row["num_envs"]), f"{row['bytes_per_env'] / 1024:.1f}")
         for row in results["memory"]
     )
-    return Sheet("memory", "memory", ("environment", "N", "KiB an environment"), cells)
+    return Sheet("memory", "memory", ("environment", "N", "KiB per environment"), cells)
 
 
 def _singles(results: Results) -> Iterator[Sheet]:
@@ -247,7 +253,7 @@ _BY_PART: Mapping[str, Callable[[Results], Iterator[Sheet]]] = {
 
 
 def sheets(results: Results) -> list[Sheet]:
-    """The tables of the parts that a run measured, the goals first."""
+    """Tables of the parts that a run measured; the goals come first."""
     found = [sheet for part, make in _BY_PART.items() if part in results for sheet in make(results)]
     shares = [share_sheet(results)] if {"single", "vector"} <= set(results) else []
     return [goal_sheet(results), *found, *shares]

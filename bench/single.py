@@ -1,4 +1,4 @@
-"""Single environments and the bare loops of MuJoCo steps under them, one core each."""
+"""Single environments, and bare loops of MuJoCo steps on the same models, each on one core."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -13,16 +13,18 @@ import prp_gym
 from bench.rounds import CONTACT, FREE, REACHER, Contender, Effort, Label, timed
 from prp_gym.robot.arrays import Array
 
-ACTION_COUNT = 200  # that every contender repeats
-ACTION_SHARE = 0.2  # of the actuator limits: moves the arm through its range without resting on the stops
+ACTION_COUNT = 200  # actions that every program repeats
+ACTION_SHARE = (
+    0.2  # share of the actuator limits: the arm moves through its range without resting at the stops
+)
 FREQUENCIES = (500.0, 50.0)
-"""[Hz] 2 and 20 substeps of 1 ms."""
+"""Control frequencies [Hz], with 2 and 20 substeps of 1 ms."""
 
-PLACES = tuple((environment, frequency) for environment in (FREE, CONTACT) for frequency in FREQUENCIES)
-"""Environments of this suite and their rates of control [Hz]."""
+CONDITIONS = tuple((environment, frequency) for environment in (FREE, CONTACT) for frequency in FREQUENCIES)
+"""Environments of this suite and their control frequencies [Hz]."""
 
 REACHER_FREQUENCY = 50.0
-"""[Hz] Reacher-v5 takes 2 substeps of 10 ms."""
+"""Control frequency of Reacher-v5 [Hz], which takes 2 substeps of 10 ms."""
 
 _STARTS = 16
 
@@ -31,13 +33,13 @@ Start = tuple[mujoco.MjModel, Array, Array]
 
 @cache
 def random_actions(num_envs: int, size: int) -> Array:
-    """The same random actions for every contender of a size (k, num_envs, size)."""
+    """Random actions (k, num_envs, size), the same for every program of a size."""
     shape = (ACTION_COUNT, num_envs, size)
     return np.random.default_rng(0).uniform(-ACTION_SHARE, ACTION_SHARE, shape).astype(np.float32)
 
 
 def keywords(label: Label, duration: float) -> dict[str, Any]:
-    """Keywords of an environment: those of this suite run at a frequency, others know only their own."""
+    """Keywords of an environment: those of this suite have a chosen frequency, others a fixed one."""
     if label.environment not in prp_gym.list_envs():
         return {}
     return {"control_frequency": label.control_frequency, "duration": duration}
@@ -61,11 +63,11 @@ def environment_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
 def bare_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
     """A chunk of bare `mj_step` calls on an environment's models, under the same torques.
 
-    It starts anew as often as the environment does, from what the environment's resets drew: joint state and
-    model, with the surface where there is one.
+    It restarts as often as the environment, from states that its resets sampled: joint state and model, with
+    the surface if there is one.
 
     Args:
-        env: of this suite; it is only asked for models.
+        env: Environment of this suite, of which only the models are used.
     """
     inner: Any = env.unwrapped
     starts = [_start(inner, seed) for seed in range(_STARTS)]
@@ -88,7 +90,7 @@ def bare_loop(env: gymnasium.Env[Any, Any]) -> Callable[[], int]:
 
 
 def _begin(data: mujoco.MjData, start: Start) -> mujoco.MjModel:
-    """Put simulation data into an episode's start, and return that episode's model."""
+    """Set simulation data to the start of an episode, and return the model of that episode."""
     model, position, velocity = start
     mujoco.mj_resetData(model, data)
     data.qpos[:], data.qvel[:] = position, velocity
@@ -103,7 +105,7 @@ def _start(inner: Any, seed: int) -> Start:
 
 
 def both_clocks(label: Label, rate: Callable[[float], float]) -> Iterator[Contender]:
-    """A contender that runs with and without MuJoCo's clock."""
+    """A program that is measured with and without MuJoCo's clock."""
     for clock in (True, False):
         yield Contender(replace(label, clock=clock), rate)
 
@@ -111,9 +113,9 @@ def both_clocks(label: Label, rate: Callable[[float], float]) -> Iterator[Conten
 def contenders(effort: Effort) -> list[Contender]:
     """Bare loops, environments of this suite and Reacher-v5."""
     found: list[Contender] = []
-    for place in PLACES:
+    for condition in CONDITIONS:
         for kind, loop in (("bare", bare_loop), ("single", environment_loop)):
-            label = Label(kind, *place)
+            label = Label(kind, *condition)
             env = gymnasium.make(label.environment, **keywords(label, effort.duration))
             found += both_clocks(label, timed(loop(env)))
     reacher = timed(environment_loop(gymnasium.make(REACHER)))

@@ -1,11 +1,11 @@
-"""The sweep that found the `tuned` gains: `python -m bench.sweep_gains [LAW ...]`.
+"""The sweep that found the `tuned` gains: `python -m bench.sweep_gains [CONTROLLER ...]`.
 
-Gains follow from a bandwidth ω and a damping ratio ζ, the same for all joints or axes, as `CANDIDATES` says.
+Gains are computed from a bandwidth ω and a damping ratio ζ, equal for all joints or axes, by `CANDIDATES`.
 A candidate's score is the mean over the episodes of the scenarios `randomized` and `realistic`, with seeds
-that no evaluation uses: gains that look good on the nominal arm alone may chatter with a late torque, and a
-median would hide the episodes in which a law gets stuck. Candidates that chatter, seen as torques at their
-limits for more than 5 % of the time, are left out. Impedance, and the compliant frame of admittance, have
-nothing to sweep: their tasks say what they are to render.
+that no evaluation uses: gains that look good on the nominal arm alone may chatter with an actuation delay,
+and a median would hide the episodes in which the controller does not reach the goal. Candidates that
+chatter, detected as torques at their limits for more than 5 % of the time, are left out. Impedance, and the
+compliant frame of admittance, have no gains to sweep: their tasks specify the target impedance.
 """
 
 import itertools
@@ -34,25 +34,25 @@ MOST_SATURATION = 5.0  # % of joints and steps, median over the episodes of a sc
 FIRST_SEED = 1_000_000
 _STABLE_UP_TO = 2.0  # 2ζω dt, the double integrator's bound under zero-order hold
 
-JOINT_PLACES = ("JointRegulation", "JointTracking", "Adaptive")
-POSE_PLACES = ("PoseRegulation", "PoseTracking")
-PLACES: dict[str, tuple[str, ...]] = {
-    "joint_pd": JOINT_PLACES,
-    "joint_inverse_dynamics": JOINT_PLACES,
-    "adaptive": JOINT_PLACES,
-    "operational_pd": POSE_PLACES,
-    "operational_inverse_dynamics": POSE_PLACES,
+JOINT_TASKS = ("JointRegulation", "JointTracking", "Adaptive")
+POSE_TASKS = ("PoseRegulation", "PoseTracking")
+TASKS: dict[str, tuple[str, ...]] = {
+    "joint_pd": JOINT_TASKS,
+    "joint_inverse_dynamics": JOINT_TASKS,
+    "adaptive": JOINT_TASKS,
+    "operational_pd": POSE_TASKS,
+    "operational_inverse_dynamics": POSE_TASKS,
     "compliance": ("Compliance",),
     "admittance": ("Admittance",),
     "force_inner_position": ("Force",),
     "parallel_force_position": ("ForcePosition",),
 }
-CONTACT_LAWS = ("compliance", "admittance", "force_inner_position", "parallel_force_position")
-RATES = dict.fromkeys(CONTACT_LAWS, (500.0,))  # Hz; the others also at 50 Hz
+CONTACT_CONTROLLERS = ("compliance", "admittance", "force_inner_position", "parallel_force_position")
+RATES = dict.fromkeys(CONTACT_CONTROLLERS, (500.0,))  # Hz; the others also at 50 Hz
 
 LINK_INERTIA = np.array([0.5])
 POSE_INERTIA = np.array([0.7, 0.7, 0.14, 0.15, 0.008, 0.008])
-"""Shares of the pose's axes in the joints' inertias: what J_Aᵀ makes of them is B's diagonal, roughly."""
+"""Inertias of the pose's axes, which J_Aᵀ maps approximately to B's diagonal."""
 
 
 @cache
@@ -81,7 +81,7 @@ def scaled(frequency: float, ratio: float, inertia: Array) -> Gains:
 
 
 def unscaled(frequency: float, ratio: float, inertia: Array) -> Gains:
-    """K_P = ω², K_D = 2ζω: the law itself multiplies by the inertia."""
+    """K_P = ω², K_D = 2ζω: the controller itself multiplies by the inertia."""
     return scaled(frequency, ratio, np.ones(1))
 
 
@@ -91,15 +91,15 @@ def sliding(frequency: float, ratio: float, inertia: Array) -> Gains:
 
 
 def damped(frequency: float, ratio: float, inertia: Array) -> Gains:
-    """The damping alone, 2ζω times the inertia; the task says which stiffness."""
+    """The damping alone, 2ζω times the inertia; the task specifies the stiffness."""
     return {"damping": inertia * 2 * ratio * frequency}
 
 
 def pressing(frequency: float, ratio: float, inertia: Array) -> Gains:
     """K_P = ω² and K_D = 2ζω of the inner position loop, M_d = 1; ω/12 for the force loop around it.
 
-    The force loop's integrator takes the position loop for one that follows at once: twelve times slower, it
-    meets no more than atan(2ζ/12) of the inner loop's lag, 10° at ζ = 1, and so keeps its own damping.
+    The design of the force loop neglects the dynamics of the position loop. At a bandwidth twelve times
+    lower, the phase lag of the inner loop is at most atan(2ζ/12), 10° at ζ = 1, which keeps the damping.
     """
     return {**unscaled(frequency, ratio, inertia), "bandwidth": frequency / 12.0}
 
@@ -117,9 +117,9 @@ CANDIDATES: dict[str, Candidate] = {
 }
 
 
-def inertia_of(controller: str, place: str) -> Array:
-    """What a law's gains are scaled with on an environment."""
-    if place == "Adaptive":
+def inertia_of(controller: str, task: str) -> Array:
+    """Inertia that scales a controller's gains on an environment."""
+    if task == "Adaptive":
         return LINK_INERTIA
     if controller == "compliance":
         return COMPLIANCE_INERTIA
@@ -130,11 +130,11 @@ def inertia_of(controller: str, place: str) -> Array:
     )
 
 
-def sweep(controller: str, place: str, rate: float) -> list[tuple[float, float, float]]:
+def sweep(controller: str, task: str, rate: float) -> list[tuple[float, float, float]]:
     """Score, bandwidth and damping ratio of every candidate that does not chatter, best first."""
-    environment_id = f"PRP-{place}-v0"
+    environment_id = f"PRP-{task}-v0"
     envs = [gymnasium.make(environment_id, scenario=s, control_frequency=rate) for s in SCENARIOS]
-    inertia = inertia_of(controller, place)
+    inertia = inertia_of(controller, task)
     base = (
         "tuned"
         if rate >= load_gains(controller, "tuned", environment_id)["minimum_frequency"]
@@ -142,7 +142,7 @@ def sweep(controller: str, place: str, rate: float) -> list[tuple[float, float, 
     )
     grid = [(w, z) for w in FREQUENCIES for z in DAMPING_RATIOS if 2.0 * z * w / rate < _STABLE_UP_TO]
     results = []
-    for frequency, ratio in track(grid, description=f"{controller} {place} {rate:g} Hz", transient=True):
+    for frequency, ratio in track(grid, description=f"{controller} {task} {rate:g} Hz", transient=True):
         settings: dict[str, Any] = dict(CANDIDATES[controller](frequency, ratio, inertia))
         policy = prp_gym.make_baseline(controller, envs[0], base, **settings)
         evaluations = [prp_gym.evaluate(policy, env, EPISODES, FIRST_SEED) for env in envs]
@@ -155,22 +155,22 @@ def sweep(controller: str, place: str, rate: float) -> list[tuple[float, float, 
 
 
 def main(controllers: list[str]) -> None:
-    """Sweep laws at every rate on the environments that they are tuned for; print the best candidates.
+    """Sweep controllers at every frequency on the tasks that they are tuned for; print the best candidates.
 
     Raises:
-        UnknownNameError: a law that has nothing to sweep; nothing is swept then.
+        UnknownNameError: A controller has no gains to sweep; nothing is swept then.
     """
     for controller in controllers:
-        if controller not in PLACES:
-            raise UnknownNameError("law to sweep", controller, PLACES)
+        if controller not in TASKS:
+            raise UnknownNameError("controller to sweep", controller, TASKS)
     console = Console(width=120)
-    for controller in controllers or list(PLACES):
-        for place, rate in itertools.product(PLACES[controller], RATES.get(controller, (500.0, 50.0))):
-            table = Table(title=f"{controller} on PRP-{place}-v0 at {rate:g} Hz", title_justify="left")
+    for controller in controllers or list(TASKS):
+        for task, rate in itertools.product(TASKS[controller], RATES.get(controller, (500.0, 50.0))):
+            table = Table(title=f"{controller} on PRP-{task}-v0 at {rate:g} Hz", title_justify="left")
             for header in ("score", "ω [rad/s]", "ζ", "gains"):
                 table.add_column(header, justify="right")
-            for score, frequency, ratio in sweep(controller, place, rate)[:5]:
-                gains = CANDIDATES[controller](frequency, ratio, inertia_of(controller, place))
+            for score, frequency, ratio in sweep(controller, task, rate)[:5]:
+                gains = CANDIDATES[controller](frequency, ratio, inertia_of(controller, task))
                 numbers = ", ".join(
                     f"{n} {np.array2string(np.asarray(v), precision=4)}" for n, v in gains.items()
                 )

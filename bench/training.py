@@ -1,4 +1,4 @@
-"""Steps a second at which Stable-Baselines3 trains, and what its time goes into."""
+"""Steps per second at which Stable-Baselines3 trains, and the shares of its time."""
 
 import time
 from collections.abc import Callable
@@ -17,20 +17,20 @@ from bench.rounds import ALL_CORES, FREE, LARGE_PPO, REACHER, Contender, Effort,
 from bench.single import FREQUENCIES, REACHER_FREQUENCY, keywords
 
 ROUNDS = 3
-"""At most; agents take long."""
+"""Maximum number of rounds, since training takes long."""
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """How agents are trained.
+    """Recipe for training an agent.
 
     Attributes:
-        name: of the section in the results.
-        algorithm: of Stable-Baselines3.
-        num_envs: N; one environment is given as it is, more as a vector environment.
-        settings: that are not the library's own.
-        steps: that are trained for before anything is timed, and then in each round.
-        unclocked_reacher: whether Reacher-v5 is also trained without MuJoCo's clock.
+        name: Name of the section in the results.
+        algorithm: Algorithm of Stable-Baselines3.
+        num_envs: Number of environments N; with N = 1 it is not a vector environment.
+        settings: Hyperparameters that differ from the library's defaults.
+        steps: Number of steps of training before the measurement, and then in each round.
+        unclocked_reacher: Whether Reacher-v5 is also trained without MuJoCo's clock.
     """
 
     name: str
@@ -47,18 +47,18 @@ RECIPES = (
     Recipe("SAC, N = 1", SAC, 1, {}, 600),
     Recipe("SAC, N = 64", SAC, 64, {"gradient_steps": 1}, 6400),
 )
-"""What is not set here is as the library has it."""
+"""Training recipes; everything not set here has the library's default."""
 
 
 class Shares:
-    """How long some calls of a model took, while its training took so long.
+    """Shares of some calls of a model in the time of its training.
 
     Args:
-        model: whose calls are timed from now on.
+        model: Model whose calls are timed from now on.
 
     Attributes:
-        seconds: of each part since the start [s].
-        total: of all training since the start [s].
+        seconds: Time of each part since the start [s].
+        total: Time of all training since the start [s].
     """
 
     def __init__(self, model: BaseAlgorithm) -> None:
@@ -84,7 +84,7 @@ class Shares:
         return timed
 
     def describe(self) -> dict[str, float]:
-        """Shares of the time, `other` being what is left."""
+        """Shares of the time; `other` is the rest."""
         shares = {part: seconds / self.total for part, seconds in self.seconds.items()}
         return {**shares, "other": 1.0 - sum(shares.values())}
 
@@ -106,7 +106,7 @@ def make_model(recipe: Recipe, label: Label, duration: float) -> BaseAlgorithm:
 
 
 def contender(recipe: Recipe, label: Label, effort: Effort) -> tuple[Contender, Shares]:
-    """An agent that has begun to learn, and where its time goes."""
+    """An agent whose training has started, and the shares of its time."""
     model = make_model(recipe, label, effort.duration)
     steps = max(1, round(recipe.steps * effort.training_scale))
     model.learn(max(steps, 2 * getattr(model, "learning_starts", 0)))
@@ -124,7 +124,7 @@ def contender(recipe: Recipe, label: Label, effort: Effort) -> tuple[Contender, 
 
 
 def labels(recipe: Recipe, num_envs: int) -> list[Label]:
-    """Whom agents are trained on: Reacher-v5 as installed, and this suite without the clock."""
+    """Environments for training: Reacher-v5 as installed, and this suite without the clock."""
     kind, own, threads = ("dummy", "adapter", ALL_CORES) if num_envs > 1 else ("single", "single", 1)
     reacher = Label(kind, REACHER, REACHER_FREQUENCY, num_envs, clock=True)
     ours = [Label(own, FREE, frequency, num_envs, threads) for frequency in FREQUENCIES]
@@ -134,7 +134,7 @@ def labels(recipe: Recipe, num_envs: int) -> list[Label]:
 
 
 def contenders(recipe: Recipe, effort: Effort) -> tuple[list[Contender], dict[Label, Shares]]:
-    """Agents of one recipe on every environment; PyTorch computes in one thread."""
+    """Agents of one recipe on every environment; PyTorch uses one thread."""
     torch.set_num_threads(1)
     count = min(recipe.num_envs, effort.library_size)
     made = [contender(recipe, label, effort) for label in labels(recipe, count)]

@@ -1,12 +1,12 @@
-"""Vector environments against N: ours, Gymnasium's and Stable-Baselines3's, in free space and in contact.
+"""Vector environments of size N: native, Gymnasium's and Stable-Baselines3's, in free space and in contact.
 
-Our own fewest environments and Stable-Baselines3's adapter play whole episodes, which begin and end together.
-With others that would take too long: their episodes are spread evenly over their length before anything is
-timed, by restarting the environments one group after the other, so that every moment holds its share of all
-phases of an episode and of its ends. For loops over single environments it is all the same; our own would
-rather reset many at once.
+Small native vector environments and Stable-Baselines3's adapter run whole episodes, which start and end
+together. For others that would take too long: before the measurement their episodes are spread evenly over
+their length, by restarting one group of environments after the other, so that every moment contains its share
+of all phases of an episode and of resets. For loops over single environments this makes no difference; the
+native one is faster when it resets many environments together.
 
-A Gymnasium vector environment spends one call of an episode on its restart, which is not counted as a step.
+A Gymnasium vector environment uses one call per episode for its restart, which is not counted as a step.
 """
 
 import itertools
@@ -29,23 +29,23 @@ from bench.single import FREQUENCIES, REACHER_FREQUENCY, both_clocks, keywords, 
 from prp_gym.physics.clock import read_clock
 
 _PERIODS_BETWEEN_RESTARTS = 5
-_STEPS_A_CHUNK = 1024  # of single environments
+_STEPS_A_CHUNK = 1024  # steps of single environments
 _ONE_THREAD = (64, 1024)
-_WHOLE_UP_TO = 8  # environments; more take too long
-_LONG = (CONTACT, 500.0)  # its largest sizes would take minutes to be spread
+_WHOLE_UP_TO = 8  # environments; larger numbers take too long
+_LONG = (CONTACT, 500.0)  # spreading its largest sizes would take minutes
 
 
 @dataclass(frozen=True)
 class Pack:
-    """N environments that step together, with their resets.
+    """N environments that are stepped together, with their resets.
 
     Attributes:
-        step: takes actions (N, joints).
-        restart: those of a mask (N).
-        horizon: steps of an episode.
-        calls: of `step` that an episode takes.
-        joints: of an action.
-        close: ends them.
+        step: Function that takes actions (N, joints).
+        restart: Function that restarts the environments of a mask (N).
+        horizon: Number of steps of an episode.
+        calls: Number of calls of `step` per episode.
+        joints: Number of components of an action.
+        close: Function that ends the environments.
     """
 
     step: Callable[[Any], object]
@@ -57,7 +57,7 @@ class Pack:
 
 
 def gymnasium_pack(env: VectorEnv[Any, Any, Any], horizon: int) -> Pack:
-    """Any vector environment of Gymnasium's kind, reset in the step after an episode's end."""
+    """A vector environment with Gymnasium's interface, reset in the step after the end of an episode."""
     env.reset(seed=0)
     joints = env.single_action_space.shape[0]  # type: ignore[index]
 
@@ -68,7 +68,7 @@ def gymnasium_pack(env: VectorEnv[Any, Any, Any], horizon: int) -> Pack:
 
 
 def library_pack(env: VecEnv, horizon: int) -> Pack:
-    """Any vector environment of Stable-Baselines3's kind, reset in the step that ends an episode."""
+    """A vector environment with Stable-Baselines3's interface, reset in the step that ends an episode."""
     env.seed(0)
     env.reset()
     singles = getattr(env, "envs", ())
@@ -102,7 +102,7 @@ def _own_horizon(name: str) -> int:
 
 
 def _in_worker(label: Label, settings: dict[str, Any]) -> gymnasium.Env[Any, Any]:
-    """An environment whose process keeps or stops MuJoCo's clock."""
+    """An environment in a process with or without MuJoCo's clock."""
     env = gymnasium.make(label.environment, **settings)
     read_clock(label.clock)
     return env
@@ -119,18 +119,18 @@ def stagger(pack: Pack, actions: Sequence[Any]) -> None:
             pack.step(next(turn))
 
 
-def plays_whole_episodes(label: Label) -> bool:
-    """Whether a chunk is an episode of all environments, ended at once, as users of this suite have it."""
+def runs_whole_episodes(label: Label) -> bool:
+    """Whether a chunk is one episode of all environments, as users of this suite run it."""
     return label.kind == "adapter" or (label.kind == "native" and label.num_envs <= _WHOLE_UP_TO)
 
 
 def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Callable[[], None]]:
-    """A chunk of steps of many environments, which returns their number; and what ends them."""
+    """Function that runs a chunk of steps and returns their number, and one that ends the environments."""
     pack = make_pack(label, duration)
     actions = list(random_actions(label.num_envs, pack.joints))
     turn = itertools.cycle(actions)
     calls = pack.calls
-    if not plays_whole_episodes(label):
+    if not runs_whole_episodes(label):
         stagger(pack, actions)
         calls = max(1, _STEPS_A_CHUNK // label.num_envs)
     steps = calls * label.num_envs * pack.horizon / pack.calls
@@ -145,7 +145,7 @@ def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Calla
 
 def contender(label: Label, duration: float) -> list[Contender]:
     """A vector environment, with and without MuJoCo's clock."""
-    if label.kind == "async":  # the clock is that of the processes
+    if label.kind == "async":  # the clock setting is that of the worker processes
         return [_contender(replace(label, clock=clock), duration) for clock in (True, False)]
     chunk, close = step_loop(label, duration)
     first, second = both_clocks(label, timed(chunk))
@@ -158,7 +158,7 @@ def _contender(label: Label, duration: float) -> Contender:
 
 
 def labels(effort: Effort) -> Iterator[Label]:
-    """Every vector environment; those with processes of their own first, while there are no threads."""
+    """Labels of all vector environments; those with worker processes come first, before threads exist."""
     least = min(effort.loop_sizes)
     yield Label("async", REACHER, REACHER_FREQUENCY, least)
     yield from (Label("async", FREE, frequency, least) for frequency in FREQUENCIES)

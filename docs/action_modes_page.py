@@ -74,7 +74,9 @@ def modes_of(layout: ObservationLayout) -> list[str]:
 
 def _entries() -> list[tuple[str, str, str, tuple[ActionField, ...]]]:
     """Name, controller, summary and fields of every mode."""
-    entries = [(TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),))]
+    entries: list[tuple[str, str, str, tuple[ActionField, ...]]] = [
+        (TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),))
+    ]
     for spec in ACTION_MODES.values():
         inside = spec.entry.controller
         shown = "any that runs there" if inside == ANY_CONTROLLER else f"`{inside}`" if inside else ""

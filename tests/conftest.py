@@ -9,7 +9,7 @@ from prp_gym.action_modes import ACTION_MODES, register_action_mode
 from prp_gym.errors import RenderingError
 from prp_gym.physics import Physics
 from prp_gym.physics.rendering import OffscreenRenderer
-from tests.support.made_up_mode import LATE
+from tests.support.synthetic_mode import LATE
 
 
 @pytest.fixture(scope="session")

@@ -4,12 +4,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast
 
 import gymnasium
+from gymnasium.envs.registration import load_env_creator
 from gymnasium.vector import AutoresetMode
 
 from prp_gym.agents.sb3.packages import require
 from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import InvalidValueError
-from prp_gym.tasks.spec import TASKS
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import VecEnv
@@ -62,7 +62,10 @@ def make_sb3_vec_env(
 
 
 def _is_ours(env_id: str) -> bool:
+    """Whether Gymnasium makes vector environments of this suite for an id, also for one of a plugin."""
     module, _, name = env_id.rpartition(":")
-    if module:  # that registers the id, as Gymnasium understands it
+    if module:  # the caller's module, which registers the id
         import_module(module)
-    return name in TASKS
+    entry = gymnasium.spec(name).vector_entry_point
+    made_by = load_env_creator(entry) if isinstance(entry, str) else entry
+    return isinstance(made_by, type) and issubclass(made_by, PRPVectorEnv)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import gymnasium
 import numpy as np
@@ -18,6 +18,7 @@ from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
 from prp_gym.robot.arrays import Array
 
 
+@runtime_checkable
 class Makeable(Protocol):
     """The declaration of a policy, from which one is made for an environment."""
 
@@ -119,10 +120,9 @@ def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
     Raises:
         InvalidValueError: neither of the two.
     """
-    if hasattr(given, "predict"):
-        policy: Policy = given
-        return policy
-    if not hasattr(given, "make"):
+    if isinstance(given, Policy):
+        return given
+    if not isinstance(given, Makeable):
         allowed = "an object with `predict`, or the declaration of a controller"
         raise InvalidValueError("policy", given, allowed)
     return given.make(env)

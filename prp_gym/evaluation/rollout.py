@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import gymnasium
 import numpy as np
@@ -12,6 +12,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 
 
+@runtime_checkable
 class Policy(Protocol):
     """Anything with Stable-Baselines3's `predict`: a baseline, a trained agent, a user's own class.
 

@@ -1,4 +1,4 @@
-"""The worlds: MuJoCo models of the arm and the link, the elastic surface, and simulations of them."""
+"""MuJoCo models of the arm and the link, the elastic surface, and simulations of them."""
 
 from prp_gym.physics.batch_simulation import PhysicsState, Simulation
 from prp_gym.physics.link_mjcf import link_to_mjcf

@@ -1,4 +1,4 @@
-"""What differs between simulations of the arm: surfaces, masses, friction."""
+"""Model fields of the arm that may differ between simulations: surfaces, masses, friction."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -15,10 +15,10 @@ _SPRINGS = "surface springs"
 
 
 class ArmFields(ModelFields):
-    """Fields of the arm's model with a value a simulation.
+    """Fields of the arm's model that have a value for each simulation.
 
     Args:
-        batch: whose fields these are.
+        batch: Batch of simulations whose fields these are.
     """
 
     names: ClassVar[tuple[str, ...]] = (
@@ -35,10 +35,12 @@ class ArmFields(ModelFields):
     def __init__(self, batch: Batch) -> None:
         super().__init__(batch)
         self._links = [batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
-        self._springs = np.full((batch.nsim, 2), np.nan)  # stiffness and damping of surfaces that were set
+        self._springs = np.full(
+            (batch.nsim, 2), np.nan
+        )  # stiffness and damping of the surfaces that were set
 
     def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
-        """See `Physics.set_surface`; the drawn patch lies where `center` (3) [m] projects onto the plane."""
+        """See `Physics.set_surface`; the patch is drawn where `center` (3) [m] projects onto the plane."""
         check_rows("surface", surface.normal, (len(ids), 3))
         self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
         self._calibrate(ids)
@@ -65,7 +67,7 @@ class ArmFields(ModelFields):
         self._calibrate(ids[~np.isnan(self._springs[ids, 0])])
 
     def _calibrate(self, ids: Ids) -> None:
-        """Make the contacts the springs that were set, whatever the masses now are."""
+        """Recompute the contact parameters, so that the springs keep their values when masses change."""
         if len(ids) == 0:
             return
         weight = self._inverse_weight(ids)
@@ -82,10 +84,10 @@ class ArmFields(ModelFields):
         return np.array(own[ids, tip_body, 0])
 
     def copy(self) -> dict[str, Array]:
-        """The values of all fields that differ, by name, and of the springs."""
+        """Values of all fields that differ, by name, and of the springs."""
         return {**super().copy(), _SPRINGS: self._springs.copy()}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Go back to what `copy` gave."""
+        """Restore the values that `copy` returned."""
         self._springs[:] = kept[_SPRINGS]
         super().restore(kept)

@@ -1,4 +1,4 @@
-"""`Simulation`: many simulations of one robot at once, which answer named questions."""
+"""`Simulation`: many simulations of one robot, stepped in parallel, with named measurements."""
 
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, NamedTuple
@@ -14,22 +14,22 @@ from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
 from prp_gym.robot.arrays import Array
 
 _BAD_STATE = slice(int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1)
-_NO_WARNING = 1000  # what MuJoCo's counts start from: it writes a line and a file at a count of 0
-_PERSISTENT_UP_TO = 128  # simulations: beyond it one MjData each no longer fits the caches and is slower
+_NO_WARNING = 1000  # initial value of MuJoCo's counters: at a count of 0 it prints a line and writes a file
+_PERSISTENT_UP_TO = 128  # simulations: more of them, with one MjData each, exceed the caches
 
 NO_COLUMNS = slice(0, 0)
-"""Of what a world does not have."""
+"""Columns of a quantity that a world does not have."""
 
 
 class SensorLayout(NamedTuple):
-    """What a world's sensors are; they begin with joint position and joint velocity.
+    """Layout of a world's sensors, of which joint position and joint velocity are the first.
 
     Attributes:
-        gain: (k) of the measurement, which is gain·sensors + offset of the first k sensors.
-        offset: (k) of the measurement.
-        tip_position: columns.
-        contact_force: columns, or `NO_COLUMNS` where there is no contact.
-        stop_violation: columns, or `NO_COLUMNS` where there are no joint stops.
+        gain: Gain (k) of the measurement, which is gain·sensors + offset for the first k sensors.
+        offset: Offset (k) of the measurement.
+        tip_position: Columns of the tip position.
+        contact_force: Columns of the contact force, or `NO_COLUMNS` without contact.
+        stop_violation: Columns of the joint stops' violation, or `NO_COLUMNS` without joint stops.
     """
 
     gain: Array
@@ -40,7 +40,7 @@ class SensorLayout(NamedTuple):
 
 
 class PhysicsState(NamedTuple):
-    """All that determines how the simulations go on; see `Simulation.snapshot`."""
+    """Full state of the simulations; see `Simulation.snapshot`."""
 
     integration: Array
     warnings: NDArray[np.int32]
@@ -50,17 +50,17 @@ class PhysicsState(NamedTuple):
 class Simulation(ABC):
     """N simulations of a robot on MuJoCo's native batch; a single environment has N = 1.
 
-    Answers are read-only arrays with N rows that are current after `reset` and `advance`; they change
-    with the simulations, so copy what is to be kept. The same
-    torques give the same bits for any N and any number of threads.
+    The measured quantities are read-only arrays with N rows, which are current after `reset` and `advance`.
+    They change with the simulations, so copy values that are to be kept. The same torques give the same
+    bits for any N and any number of threads.
 
     Args:
-        num_simulations: N, at least 1.
-        num_threads: worker threads; 0 takes all cores.
+        num_simulations: Number of simulations N, at least 1.
+        num_threads: Number of worker threads; 0 uses all cores.
 
     Attributes:
-        joint_count: n of the shapes below; units are those of the robot's joints.
-        measurement_size: columns of `measurement`.
+        joint_count: Number of joints, n in the shapes below; units are those of the robot's joints.
+        measurement_size: Number of columns of `measurement`.
 
     Raises:
         InvalidValueError: fewer than one simulation.
@@ -68,7 +68,7 @@ class Simulation(ABC):
 
     joint_count: ClassVar[int]
     _constructor_attributes: ClassVar[tuple[str, ...]]
-    """What a subclass was made from besides the numbers of simulations and threads."""
+    """Names of a subclass's constructor arguments besides the numbers of simulations and threads."""
 
     def __init__(self, num_simulations: int, num_threads: int) -> None:
         if num_simulations < 1:
@@ -80,15 +80,15 @@ class Simulation(ABC):
 
     @abstractmethod
     def _compile(self) -> mujoco.MjModel:
-        """The model."""
+        """Compile the MuJoCo model."""
 
     @abstractmethod
     def _sensor_layout(self) -> SensorLayout:
-        """What the model's sensors are."""
+        """Layout of the model's sensors."""
 
     @abstractmethod
     def _make_fields(self, batch: Batch) -> ModelFields:
-        """What may differ between simulations."""
+        """Make the fields of the model that may differ between simulations."""
 
     def _build(self) -> None:
         stop_clock_once()
@@ -106,8 +106,8 @@ class Simulation(ABC):
         self._joint_position: Array = self._sensors[:, : self.joint_count]
         self._joint_velocity: Array = self._sensors[:, self.joint_count : 2 * self.joint_count]
         self._tip_position: Array = self._sensors[:, layout.tip_position]
-        self._contact_force = self._answer(layout.contact_force, 3)
-        self._stop_violation = self._answer(layout.stop_violation, self.joint_count)
+        self._contact_force = self._view_of(layout.contact_force, 3)
+        self._stop_violation = self._view_of(layout.stop_violation, self.joint_count)
         self._fields = self._make_fields(self._batch)
         stages = mujoco.mjtStage
         in_contact = layout.contact_force != NO_COLUMNS
@@ -117,16 +117,16 @@ class Simulation(ABC):
         self._guard(layout)
 
     def _guard(self, layout: SensorLayout) -> None:
-        """What `within_limits` compares with."""
+        """Set the thresholds of `within_limits`."""
         self._threshold = np.full(self._sensors.shape, np.inf)
         self._threshold[:, layout.stop_violation] = 0.0
         self._threshold[:, : 2 * self.joint_count] = self._watched
-        self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # how often
+        self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # numbers of warnings
         self._no_warning = np.full_like(self._warnings, _NO_WARNING)
         self._warnings[:] = _NO_WARNING
 
-    def _answer(self, columns: slice, width: int) -> Array:
-        """A view of sensors, or zeros where a world has none of that kind."""
+    def _view_of(self, columns: slice, width: int) -> Array:
+        """View of the sensors' columns, or zeros if the world has no such sensors."""
         if columns != NO_COLUMNS:
             view: Array = self._sensors[:, columns]
             return view
@@ -141,7 +141,7 @@ class Simulation(ABC):
 
     @property
     def measurement(self) -> Array:
-        """(N, measurement_size), new: joint position (n), joint velocity (n), and what a world adds."""
+        """New array (N, measurement_size): joint position (n), joint velocity (n), and further columns."""
         values = np.empty((self.num_simulations, self.measurement_size))
         self.measure(values)
         return values
@@ -153,35 +153,35 @@ class Simulation(ABC):
 
     @property
     def joint_position(self) -> Array:
-        """(N, n) [rad, or m where a joint slides]."""
+        """Joint positions (N, n) [rad, or m for a prismatic joint]."""
         return self._joint_position
 
     @property
     def joint_velocity(self) -> Array:
-        """(N, n) [rad/s, or m/s where a joint slides]."""
+        """Joint velocities (N, n) [rad/s, or m/s for a prismatic joint]."""
         return self._joint_velocity
 
     @property
     def tip_position(self) -> Array:
-        """(N, 3) in the world frame [m]."""
+        """Tip positions (N, 3) in the world frame [m]."""
         return self._tip_position
 
     @property
     def contact_force(self) -> Array:
-        """(N, 3) force by the tip on the surface, world frame [N]; zero without contact or surface."""
+        """Forces (N, 3) of the tip on the surface, in the world frame [N]; zero without contact."""
         return self._contact_force
 
     @property
     def unstable(self) -> NDArray[np.bool_]:
-        """(N,), whether MuJoCo met a value that is not finite, or huge, since the last `reset`.
+        """Whether MuJoCo met a value that is not finite or huge since the last `reset` (N,).
 
-        MuJoCo then puts the simulation back to its home position, at rest and without torques.
+        MuJoCo then resets the simulation to its home position, at rest and without torques.
         """
         flags: NDArray[np.bool_] = np.logical_or.reduce(self._warnings != self._no_warning, axis=1)
         return flags
 
     def watch(self, bound: Array) -> None:
-        """Set the joint positions and velocities (2n), in magnitude, that are the simulations' bounds."""
+        """Set the bounds of the magnitudes of joint positions and velocities (2n)."""
         self._watched = bound
         self._threshold[:, : 2 * self.joint_count] = bound
 
@@ -189,14 +189,14 @@ class Simulation(ABC):
     def within_limits(self) -> bool:
         """Whether no joint is beyond its stop and no simulation is out of bounds.
 
-        So it mostly is, and asking is faster than asking for each.
+        This is the usual case, and one check of all simulations is faster than a check of each.
         """
         beyond = np.abs(self._sensors) > self._threshold
         return not (np.count_nonzero(beyond) or np.count_nonzero(self._warnings != self._no_warning))
 
     @property
     def out_of_bounds(self) -> NDArray[np.bool_]:
-        """(N,), whether a simulation is beyond the bounds that are watched, or `unstable`."""
+        """Whether a simulation exceeds the bounds set by `watch` or is `unstable` (N,)."""
         joints = np.s_[:, : 2 * self.joint_count]
         beyond = np.abs(self._sensors[joints]) > self._threshold[joints]
         if np.count_nonzero(beyond) or np.count_nonzero(self._warnings != self._no_warning):
@@ -206,39 +206,39 @@ class Simulation(ABC):
 
     @property
     def stop_violation(self) -> Array:
-        """(N, n) how far joints are beyond their stops, negative; 0 within, and without stops."""
+        """Negative distances (N, n) of joints beyond their stops; 0 within the limits or without stops."""
         return self._stop_violation
 
     @property
     def joints_at_stop(self) -> NDArray[np.bool_]:
-        """(N, n), whether a joint is beyond its stop."""
+        """Whether a joint is beyond its stop (N, n)."""
         touching: NDArray[np.bool_] = self._stop_violation != 0.0
         return touching
 
     @property
     def torque(self) -> Array:
-        """(N, n) joint torques that act until they are set anew [N m, or N where a joint slides]."""
+        """Joint torques (N, n) that act until they are set again [N m, or N for a prismatic joint]."""
         return self._applied
 
     def set_torque(self, torque: Array) -> None:
-        """Joint torques that act from now on (N, n); the caller vouches for finite values."""
+        """Set the joint torques (N, n); the caller ensures that they are finite."""
         self._torque[:] = torque
 
     def advance(self, substeps: int) -> None:
-        """Integrate every simulation over a number of time steps, at least 1; all answers are current."""
+        """Integrate every simulation over a number of time steps, at least 1, and update all measurements."""
         self._batch.step(nstep=substeps, stage=self._stage)
 
     def reset(self, ids: Ids, joint_position: Array, joint_velocity: Array) -> None:
-        """Put some simulations at rest in the solver and at a given joint state.
+        """Reset the solver and set the joint state of some simulations.
 
         Args:
-            ids: (k) the simulations.
-            joint_position: (k, n) [rad, or m where a joint slides].
-            joint_velocity: (k, n) [rad/s, or m/s where a joint slides].
+            ids: Indices of the simulations (k).
+            joint_position: (k, n) [rad, or m for a prismatic joint].
+            joint_velocity: (k, n) [rad/s, or m/s for a prismatic joint].
 
         Raises:
-            ShapeError: another shape; nothing was changed.
-            NonFiniteError: NaN or infinity in the state; nothing was changed.
+            ShapeError: an argument has another shape; nothing is changed.
+            NonFiniteError: the state contains NaN or infinity; nothing is changed.
         """
         for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
             check_rows(what, values, (len(ids), self.joint_count))
@@ -251,11 +251,11 @@ class Simulation(ABC):
         self._batch.forward(ids, stage=self._stage)
 
     def snapshot(self) -> PhysicsState:
-        """Copy of all that determines how the simulations go on: state, solver's warm start, models."""
+        """Copy of the full state of the simulations: physical state, solver's warm start, models."""
         return PhysicsState(np.array(self._batch.state), self._batch.warning.copy(), self._fields.copy())
 
     def restore(self, state: PhysicsState) -> None:
-        """Go back to a snapshot, bit for bit.
+        """Restore a snapshot, bit for bit.
 
         Raises:
             InvalidValueError: the snapshot is of another number of simulations, or of another robot.
@@ -271,13 +271,14 @@ class Simulation(ABC):
         self._batch.warning[:] = state.warnings
 
     def model(self, simulation: int = 0) -> mujoco.MjModel:
-        """A copy of one simulation's model, with what is its own, for rendering or study."""
+        """Copy of one simulation's model with its own field values, for rendering or analysis."""
         return self._batch.get_model(simulation)
 
     def data(self, simulation: int = 0) -> mujoco.MjData:
-        """A copy of one simulation's current data, all fields computed, for rendering or study.
+        """Copy of one simulation's current data with all fields computed, for rendering or analysis.
 
-        Counts of MuJoCo's warnings about bad states start from 1000, since it writes to a file at the first.
+        The counters of MuJoCo's warnings about bad states start from 1000, since MuJoCo writes to a file at
+        the first warning.
         """
         data = self._batch.get_data(simulation)
         mujoco.mj_forward(self._batch.get_model(simulation), data)

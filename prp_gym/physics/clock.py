@@ -1,9 +1,9 @@
-"""The clock that MuJoCo's Python module makes every simulation step read, and how to do without it.
+"""The clock that MuJoCo's Python module makes every simulation step read, and how to turn it off.
 
-On import the module installs a C callback, `mjcb_time`, which `mj_step` asks for the time about twenty times
-a step to fill `MjData.timer`. Nothing is simulated with these times: without the callback a step of the arm
-gives the same bits in two thirds of the time. The first world that is built in a process takes the callback
-away, for all of that process, unless the environment variable `PRP_GYM_MUJOCO_CLOCK` is set to 1.
+On import the module installs a C callback, `mjcb_time`, which `mj_step` calls about twenty times per
+step to fill `MjData.timer`. The simulation does not use these times: without the callback a step of the arm
+gives the same bits in two thirds of the time. The first world that is built in a process removes the callback
+for the whole process, unless the environment variable `PRP_GYM_MUJOCO_CLOCK` is set to 1.
 """
 
 import ctypes
@@ -16,13 +16,13 @@ from pathlib import Path
 import mujoco
 
 KEEP = "PRP_GYM_MUJOCO_CLOCK"
-"""Environment variable that keeps MuJoCo's timers where it is 1."""
+"""Environment variable that keeps MuJoCo's timers if it is 1."""
 
 
 @cache
 def _callback() -> ctypes.c_void_p | None:
-    """The place of the callback's address; None where this build of MuJoCo does not show it."""
-    mode = getattr(os, "RTLD_NOLOAD", 0) | getattr(os, "RTLD_LAZY", 0)  # the library that runs, or none
+    """Pointer to the callback's address; None if this build of MuJoCo does not export it."""
+    mode = getattr(os, "RTLD_NOLOAD", 0) | getattr(os, "RTLD_LAZY", 0)  # only if it is loaded already
     for path in sorted(Path(mujoco.__file__).parent.glob("libmujoco*")):
         try:
             return ctypes.c_void_p.in_dll(ctypes.CDLL(str(path), mode=mode), "mjcb_time")
@@ -33,32 +33,32 @@ def _callback() -> ctypes.c_void_p | None:
 
 @cache
 def _installed() -> int | None:
-    """The address that MuJoCo's module installed; asked for before anything is changed."""
-    place = _callback()
-    return None if place is None else place.value
+    """Address that MuJoCo's module installed; it is read before anything is changed."""
+    pointer = _callback()
+    return None if pointer is None else pointer.value
 
 
 def clock_is_read() -> bool:
-    """Whether simulation steps of this process read a clock; True where that cannot be known."""
-    place = _callback()
-    return place is None or place.value is not None
+    """Whether simulation steps of this process read a clock; True if that cannot be determined."""
+    pointer = _callback()
+    return pointer is None or pointer.value is not None
 
 
 def read_clock(wanted: bool) -> None:
     """Let simulation steps of this process read a clock or not.
 
-    Nothing is done where a user set a clock of their own through `mujoco.set_mjcb_time`, or where this build
-    of MuJoCo does not show its callback. A clock installed through ctypes cannot be told from the module's:
-    keep it with the environment variable.
+    It has no effect if the user set a clock through `mujoco.set_mjcb_time`, or if this build of MuJoCo does
+    not export its callback. A clock installed through ctypes cannot be distinguished from the module's; keep
+    it with the environment variable.
     """
-    place, installed = _callback(), _installed()
-    if place is not None and mujoco.get_mjcb_time() is None:
-        place.value = installed if wanted else None
+    pointer, installed = _callback(), _installed()
+    if pointer is not None and mujoco.get_mjcb_time() is None:
+        pointer.value = installed if wanted else None
 
 
 @contextmanager
 def clock_reading(wanted: bool) -> Iterator[None]:
-    """Let steps read a clock or not within a block, for comparisons; worlds that are built in it obey."""
+    """Let simulation steps read a clock or not within a `with` block, also in worlds that are built in it."""
     stop_clock_once()
     before = clock_is_read()
     read_clock(wanted)
@@ -70,6 +70,6 @@ def clock_reading(wanted: bool) -> Iterator[None]:
 
 @cache
 def stop_clock_once() -> None:
-    """Take the clock away when the first world of a process is built, unless the user wants to keep it."""
+    """Remove the clock when the first world of a process is built, unless the user wants to keep it."""
     if os.environ.get(KEEP, "") != "1":
         read_clock(False)

@@ -1,4 +1,4 @@
-"""What differs between simulations of the link: inertia, friction, moment of its weight."""
+"""Model fields of the link that may differ between simulations: inertia, friction, gravity moment."""
 
 from typing import ClassVar
 
@@ -10,10 +10,10 @@ from prp_gym.robot.arrays import Array
 
 
 class LinkFields(ModelFields):
-    """Fields of the link's model with a value a simulation.
+    """Fields of the link's model that have a value for each simulation.
 
     Args:
-        batch: whose fields these are.
+        batch: Batch of simulations whose fields these are.
     """
 
     names: ClassVar[tuple[str, ...]] = ("body_mass", "body_inertia", "body_ipos", "dof_damping")

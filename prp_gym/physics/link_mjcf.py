@@ -9,24 +9,24 @@ from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, LinkParameters
 
 HINGE_HEIGHT = 0.35
-"""Of the joint's axis, which is horizontal, in the plane x = 0 [m]."""
+"""Height of the joint's axis, which is horizontal, in the plane x = 0 [m]."""
 
 LINK_LENGTH = 0.30
-"""From the joint's axis to the tip, as drawn [m]."""
+"""Distance from the joint's axis to the drawn tip [m]."""
 
 JOINT = "joint_1"
 _GRAVITY = 9.81  # [m/s^2]
 _LEAST_MASS = 1.0  # [kg]
-_POST = 0.06  # from the plane in which the link swings, y = 0, back to the post [m]
+_POST = 0.06  # distance from the plane in which the link swings, y = 0, to the post [m]
 
 
 class PointMass(NamedTuple):
-    """Where a link's mass is: what gives it I and G about the joint's axis.
+    """Mass distribution of a link with given I and G about the joint's axis.
 
     Attributes:
-        mass: (...) [kg].
-        center: (..., 3) centre of mass in the body's frame [m].
-        moment: (...) of inertia about the centre of mass, the same about every axis [kg m^2].
+        mass: Mass (...) [kg].
+        center: Centre of mass (..., 3) in the body's frame [m].
+        moment: Moment of inertia (...) about the centre of mass, equal about every axis [kg m^2].
     """
 
     mass: Array
@@ -35,12 +35,12 @@ class PointMass(NamedTuple):
 
 
 def mass_distribution(inertia: Array, gravity_moment: Array) -> PointMass:
-    """A body whose inertia about the joint's axis is I and whose weight turns it with G sin q.
+    """A body whose inertia about the joint's axis is I and whose gravity moment is G sin q.
 
-    Many bodies have the same I and G; this one is heavy enough for its mass, seen as a point, to have less
-    than half of I. Its frame lies on the axis at the post, so that its centre of mass is never the frame's
-    origin: MuJoCo would compile a body that is balanced about its origin (G = 0) to one that no later
-    value could unbalance.
+    Many bodies have the same I and G. The mass of this one is large enough that a point mass at its centre
+    of mass has less than half of I. Its frame lies on the axis at the post, so that its centre of mass is
+    never the frame's origin: MuJoCo would compile a body that is balanced about its origin (G = 0) into one
+    that no later value could unbalance.
 
     Args:
         inertia: I (...) [kg m^2].
@@ -59,13 +59,13 @@ def link_to_mjcf(parameters: LinkParameters = NOMINAL_LINK, timestep: float = 0.
     """The link and its scene as an MJCF document.
 
     Args:
-        parameters: the link.
-        timestep: of the integration [s].
+        parameters: Parameters of the link.
+        timestep: Time step of the integration [s].
 
     Returns:
-        The document's text. Body `link_1`, joint `joint_1` and site `tip` as the arm's have; q = 0 hangs
-        down and q = π/2 points along +x; a motor in [N m] without gear or limit; cameras `overview` and
-        `top`.
+        Text of the document. Body `link_1`, joint `joint_1` and site `tip` have the same names as in the
+        arm's model. At q = 0 the link hangs down, at q = π/2 it points along +x. It has a motor in [N m]
+        without gear or limit, and the cameras `overview` and `top`.
     """
     joint, tip = JOINT, -LINK_LENGTH
     mass, center, moment = mass_distribution(

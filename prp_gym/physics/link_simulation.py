@@ -16,17 +16,17 @@ from prp_gym.robot.link import NOMINAL_LINK, LinkParameters
 
 
 class LinkPhysics(Simulation):
-    """N simulations of the link I q̈ + F q̇ + G sin q = τ, which turns freely.
+    """N simulations of the link I q̈ + F q̇ + G sin q = τ, without joint stops.
 
     `measurement` has the columns joint position [rad] and joint velocity [rad/s]; torques are in [N m].
-    The integrator is semi-implicit Euler, implicit in the friction: with the step h,
+    The integrator is semi-implicit Euler, implicit in the friction. With the time step h,
     (I + h F) q̇' = I q̇ + h (τ - G sin q) and then q' = q + h q̇'.
 
     Args:
-        parameters: the link that is simulated (the plant).
-        timestep: of the integration [s].
-        num_simulations: N, at least 1.
-        num_threads: worker threads; 0 takes all cores.
+        parameters: Parameters of the simulated link (the plant).
+        timestep: Time step of the integration [s].
+        num_simulations: Number of simulations N, at least 1.
+        num_threads: Number of worker threads; 0 uses all cores.
 
     Raises:
         InvalidValueError: a timestep that is not positive, fewer than one simulation.
@@ -67,17 +67,17 @@ class LinkPhysics(Simulation):
     def set_parameters(
         self, ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array
     ) -> None:
-        """Give some simulations links of their own; takes effect at the next `reset` or `advance`.
+        """Set the link parameters of some simulations; they take effect at the next `reset` or `advance`.
 
         Args:
-            ids: (n) the simulations.
-            inertia: I (n) [kg m^2].
-            viscous_friction: F (n) [N m s/rad].
-            gravity_moment: G (n) [N m].
+            ids: Indices of the simulations (n).
+            inertia: Moment of inertia I (n) [kg m^2].
+            viscous_friction: Coefficient F of the viscous friction (n) [N m s/rad].
+            gravity_moment: Gravity moment G (n) [N m].
 
         Raises:
-            ShapeError: another shape; nothing was changed.
+            ShapeError: an argument has another shape; nothing is changed.
             InvalidValueError: an inertia that is not positive, negative friction or gravity moment, a
-                value that is not finite; nothing was changed.
+                value that is not finite; nothing is changed.
         """
         self._fields.set_parameters(ids, inertia, viscous_friction, gravity_moment)

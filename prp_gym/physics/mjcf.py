@@ -11,19 +11,19 @@ from prp_gym.physics.surface import IMPEDANCE, IMPEDANCE_RATIO
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 TIP_RADIUS = 0.02
-"""Radius of the sphere at the tip [m]; planes stand back by it, so that depth is that of its centre."""
+"""Radius of the sphere at the tip [m]; planes are offset by it, so that depth refers to its centre."""
 
 JOINTS = ("joint_1", "joint_2", "joint_3")
 
 
 @dataclass(frozen=True)
 class PhysicsSettings:
-    """What kind of world is simulated.
+    """Settings of the simulated world.
 
     Attributes:
-        timestep: of the integration [s].
-        joint_stops: whether the joints stop at their limits.
-        surface: whether there is an elastic surface.
+        timestep: Time step of the integration [s].
+        joint_stops: Whether the joints stop at their limits.
+        surface: Whether there is an elastic surface.
         surface_friction: Coulomb friction coefficient between tip and surface; 0 is frictionless.
     """
 
@@ -43,12 +43,12 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
     """The arm and its scene as an MJCF document.
 
     Args:
-        parameters: the arm.
-        settings: the world; the defaults of `PhysicsSettings` if not given.
+        parameters: Parameters of the arm.
+        settings: Settings of the world; by default those of `PhysicsSettings`.
 
     Returns:
-        The document's text. Bodies `link_1` to `link_3`, joints `joint_1` to `joint_3`, site `tip`,
-        motors in [N m, N, N m] without gear or limit, cameras `overview` and `top`.
+        Text of the document. It has the bodies `link_1` to `link_3`, joints `joint_1` to `joint_3`, site
+        `tip`, motors in [N m, N, N m] without gear or limit, cameras `overview` and `top`.
     """
     world = PhysicsSettings() if settings is None else settings
     ratio = IMPEDANCE_RATIO if world.surface_friction > 0.0 else 1.0
@@ -59,7 +59,7 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
             _arm(parameters, world),
             _surface_body() if world.surface else "",
             "</worldbody>",
-            _surface_pair(world) if world.surface else "",
+            _surface_contact(world) if world.surface else "",
             motors(JOINTS),
             _sensors(world),
             "</mujoco>",
@@ -133,7 +133,7 @@ def _surface_body() -> str:
     return '<body name="surface">' + geom("plane", "0.22 0.22 0.01", "surface", "", "surface") + "</body>"
 
 
-def _surface_pair(world: PhysicsSettings) -> str:
+def _surface_contact(world: PhysicsSettings) -> str:
     mu = world.surface_friction
     friction = f' friction="{mu!r} {mu!r} 0.005 0.0001 0.0001"' if mu > 0.0 else ""
     return (
@@ -143,7 +143,7 @@ def _surface_pair(world: PhysicsSettings) -> str:
 
 
 def _sensors(world: PhysicsSettings) -> str:
-    """Joint state, tip pose and rates in the order of the observation; then contact; then stops."""
+    """Joint state, tip pose and rates in the order of the observation, then contact, then joint stops."""
     q_1, q_2, q_3 = JOINTS
     position = [f'<jointpos joint="{name}"/>' for name in (q_1, q_2, q_3)]
     velocity = [f'<jointvel joint="{name}"/>' for name in (q_1, q_2, q_3)]

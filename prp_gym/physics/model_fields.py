@@ -1,4 +1,4 @@
-"""What differs between the simulations of a batch: the fields of the model with a value for each."""
+"""Model fields that may differ between the simulations of a batch."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -14,32 +14,32 @@ Ids = NDArray[np.intp]
 
 
 def check_rows(what: str, values: Array, shape: tuple[int, ...]) -> None:
-    """Refuse an array of another shape.
+    """Check the shape of an array.
 
     Raises:
-        ShapeError: another shape.
+        ShapeError: the array has another shape.
     """
     if np.shape(values) != shape:
         raise ShapeError(what, np.shape(values), f"{shape}")
 
 
 def check_positive(what: str, values: Array, shape: tuple[int, ...], unit: str = "") -> None:
-    """Refuse an array of another shape or with a value that is not above 0 and finite.
+    """Check that an array has a shape and that its values are above 0 and finite.
 
     Raises:
-        ShapeError: another shape.
-        InvalidValueError: such a value.
+        ShapeError: the array has another shape.
+        InvalidValueError: a value is outside this range.
     """
     check_rows(what, values, shape)
     _check_range(what, values, np.asarray(values) > 0.0, "above 0 and finite", unit)
 
 
 def check_not_negative(what: str, values: Array, shape: tuple[int, ...], unit: str = "") -> None:
-    """Refuse an array of another shape or with a value that is negative or not finite.
+    """Check that an array has a shape and that its values are at least 0 and finite.
 
     Raises:
-        ShapeError: another shape.
-        InvalidValueError: such a value.
+        ShapeError: the array has another shape.
+        InvalidValueError: a value is outside this range.
     """
     check_rows(what, values, shape)
     _check_range(what, values, np.asarray(values) >= 0.0, "at least 0 and finite", unit)
@@ -52,13 +52,13 @@ def _check_range(what: str, values: Array, within: NDArray[np.bool_], allowed: s
 
 
 class ModelFields:
-    """Fields of the model with a value a simulation; the rest is shared.
+    """Model fields that have a value for each simulation; all other fields are shared.
 
     Args:
-        batch: whose fields these are.
+        batch: Batch of simulations whose fields these are.
 
     Attributes:
-        names: of the fields that may differ.
+        names: Names of the fields that may differ.
     """
 
     names: ClassVar[tuple[str, ...]]
@@ -67,12 +67,12 @@ class ModelFields:
         self._batch = batch
 
     def copy(self) -> dict[str, Array]:
-        """The values of all fields that differ, by name."""
+        """Values of all fields that differ, by name."""
         fields = {name: self._batch.expanded(name) for name in self.names}
         return {name: np.array(values) for name, values in fields.items() if values is not None}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
-        """Go back to what `copy` gave, shared fields to the model's values."""
+        """Restore the values that `copy` returned; shared fields get the model's values."""
         for name in self.names:
             if name in kept:
                 self._batch.expand(name)[:] = kept[name]

@@ -1,4 +1,4 @@
-"""Pictures of one simulation: MuJoCo's own renderer and viewer, with marks for what the task is about."""
+"""Frame rendering of one simulation by MuJoCo's renderer and viewer, with an overlay that shows the task."""
 
 import os
 import sys
@@ -26,13 +26,13 @@ NO_DISPLAY = (
     "render_mode 'human' opens a window and this machine has no display (DISPLAY and WAYLAND_DISPLAY are"
     " unset); use 'rgb_array', or start a virtual display."
 )
-_MOST_MARKS = 1000
+_MOST_GEOMS = 1000
 _CLOSING_TIMEOUT = 5.0  # [s]
 
 
 @dataclass(frozen=True, eq=False)
 class Ball:
-    """A ball in the world frame: centre (3) [m], radius [m]."""
+    """A ball in the world frame, with its centre (3) [m] and radius [m]."""
 
     center: Array
     radius: float
@@ -41,7 +41,7 @@ class Ball:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """A line through points (k, 3) in the world frame [m], its width in pixels."""
+    """A line through points (k, 3) in the world frame [m], with its width in pixels."""
 
     points: Array
     width: float
@@ -61,27 +61,27 @@ class Arrow:
 OverlayItem = Ball | Path | Arrow
 
 _METRES_PER_NEWTON = 0.02
-_ABOVE_TIP = np.array([0.0, 0.0, 0.05])  # [m]: beside the tip, since an arm may reach through a surface
+_ABOVE_TIP = np.array([0.0, 0.0, 0.05])  # [m]: beside the tip, which may be hidden by a surface
 
 
 def force_arrow(tip_position: Array, force: Array) -> Arrow:
-    """A force (3) [N] by the tip, drawn a little above the tip (3) [m], 2 cm a newton."""
+    """Arrow for a force (3) [N] of the tip, drawn a little above the tip (3) [m] at 2 cm per newton."""
     return Arrow(tip_position + _ABOVE_TIP, force * _METRES_PER_NEWTON, 0.008, FORCE_COLOR)
 
 
-def add_marks(scene: mujoco.MjvScene, overlay: Sequence[OverlayItem]) -> None:
-    """Append marks to a scene; what no longer fits into it is left out."""
-    for mark in overlay:
-        match mark:
+def add_overlay(scene: mujoco.MjvScene, overlay: Sequence[OverlayItem]) -> None:
+    """Append the items of an overlay to a scene; items that exceed its capacity are left out."""
+    for item in overlay:
+        match item:
             case Ball():
-                size = np.full(3, mark.radius)
-                _add_geom(scene, mujoco.mjtGeom.mjGEOM_SPHERE, size, mark.center, mark.color)
+                size = np.full(3, item.radius)
+                _add_geom(scene, mujoco.mjtGeom.mjGEOM_SPHERE, size, item.center, item.color)
             case Path():
-                for start, end in zip(mark.points[:-1], mark.points[1:], strict=True):
-                    _add_connector(scene, mujoco.mjtGeom.mjGEOM_LINE, mark.width, start, end, mark.color)
+                for start, end in zip(item.points[:-1], item.points[1:], strict=True):
+                    _add_connector(scene, mujoco.mjtGeom.mjGEOM_LINE, item.width, start, end, item.color)
             case Arrow():
-                end = mark.start + mark.vector
-                _add_connector(scene, mujoco.mjtGeom.mjGEOM_ARROW, mark.width, mark.start, end, mark.color)
+                end = item.start + item.vector
+                _add_connector(scene, mujoco.mjtGeom.mjGEOM_ARROW, item.width, item.start, end, item.color)
 
 
 def _add_geom(scene: mujoco.MjvScene, kind: Any, size: Array, position: Array, color: Color) -> Any:
@@ -103,18 +103,18 @@ def _add_connector(
 
 
 class OffscreenRenderer:
-    """Colour and depth pictures without a window.
+    """Renders colour and depth frames without a window.
 
     Args:
-        model: of the simulation to show.
-        width: of the picture [pixels].
-        height: of the picture [pixels].
-        camera: `overview` or `top`.
+        model: Model of the simulation to render.
+        width: Width of the frame [pixels].
+        height: Height of the frame [pixels].
+        camera: Name of the camera, `overview` or `top`.
 
     Raises:
-        RenderingError: no way to draw on this machine.
-        UnknownNameError: no such camera.
-        InvalidValueError: a size that is not positive.
+        RenderingError: This machine provides no OpenGL context.
+        UnknownNameError: There is no such camera.
+        InvalidValueError: The size is not positive.
     """
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, camera: str) -> None:
@@ -123,22 +123,23 @@ class OffscreenRenderer:
         model.vis.global_.offheight = max(height, model.vis.global_.offheight)
         self._camera = camera
         try:
-            self._renderer = mujoco.Renderer(model, height, width, max_geom=_MOST_MARKS)
+            self._renderer = mujoco.Renderer(model, height, width, max_geom=_MOST_GEOMS)
         except (RuntimeError, AttributeError, ImportError, mujoco.FatalError) as error:
             raise RenderingError(
-                f"MuJoCo can open no drawing context here ({error}). Without a display set MUJOCO_GL=egl (or"
-                " osmesa) before mujoco is first imported, and install Mesa's EGL library (Debian: libegl1)."
+                f"MuJoCo cannot create an OpenGL context on this machine ({error}). Without a display set"
+                " MUJOCO_GL=egl (or osmesa) before mujoco is first imported, and install Mesa's EGL library"
+                " (Debian: libegl1)."
             ) from error
 
     def draw(
         self, data: mujoco.MjData, overlay: Sequence[OverlayItem], *, depth: bool = False
     ) -> NDArray[Any]:
-        """One picture.
+        """Render one frame.
 
         Args:
-            data: the state to show.
-            overlay: what to draw beside the model.
-            depth: distances in place of colours; marks are no bodies and have none.
+            data: State to render.
+            overlay: Items to draw in addition to the model.
+            depth: Whether to return distances instead of colours; overlay items have no depth.
 
         Returns:
             (height, width, 3) uint8, or (height, width) float32 distance from the camera [m].
@@ -149,12 +150,12 @@ class OffscreenRenderer:
             self._renderer.disable_depth_rendering()
         self._renderer.update_scene(data, camera=self._camera)
         if not depth:
-            add_marks(self._renderer.scene, overlay)
+            add_overlay(self._renderer.scene, overlay)
         frame: NDArray[Any] = self._renderer.render().copy()
         return frame
 
     def close(self) -> None:
-        """Free the drawing context."""
+        """Release the OpenGL context."""
         self._renderer.close()
 
 
@@ -164,7 +165,7 @@ def has_display() -> bool:
 
 
 def _require_window_system() -> None:
-    """Refuse a display that nothing answers at: MuJoCo's viewer would end the process there."""
+    """Check that a window system answers at the display; otherwise MuJoCo's viewer would end the process."""
     import mujoco.viewer
 
     with warnings.catch_warnings():
@@ -177,13 +178,13 @@ class WindowRenderer:
     """MuJoCo's interactive viewer in a window of its own.
 
     Args:
-        model: of the simulation to show.
-        data: the viewer's own copy of the state; `show` updates it.
-        camera: `overview` or `top`.
+        model: Model of the simulation to show.
+        data: The viewer's own copy of the state; `show` updates it.
+        camera: Name of the camera, `overview` or `top`.
 
     Raises:
-        RenderingError: there is no display.
-        UnknownNameError: no such camera.
+        RenderingError: There is no display.
+        UnknownNameError: There is no such camera.
     """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
@@ -205,7 +206,7 @@ class WindowRenderer:
             self._viewer.cam.fixedcamid = model.camera(camera).id
 
     def show(self, model: mujoco.MjModel, data: mujoco.MjData, overlay: Sequence[OverlayItem]) -> None:
-        """Bring the window up to date, also where the surface now is."""
+        """Update the window, including the position of the surface."""
         if not self._viewer.is_running():
             return
         with self._viewer.lock():
@@ -215,18 +216,23 @@ class WindowRenderer:
             self._data.qvel[:] = data.qvel
             mujoco.mj_forward(self._model, self._data)
             self._viewer.user_scn.ngeom = 0
-            add_marks(self._viewer.user_scn, overlay)
+            add_overlay(self._viewer.user_scn, overlay)
         self._viewer.sync()
 
     def close(self) -> None:
-        """Close the window, and wait for its thread: a process that ends before it would crash."""
+        """Close the window and wait for its thread; a process that ends before its thread would crash."""
         self._viewer.close()
         for thread in self._threads:
             thread.join(_CLOSING_TIMEOUT)
 
 
 def check_view(width: int, height: int, camera: str) -> None:
-    """Raise the error that a picture of this size from this camera would meet."""
+    """Check the size of a frame and the name of a camera.
+
+    Raises:
+        UnknownNameError: There is no such camera.
+        InvalidValueError: The size is not positive.
+    """
     if camera not in CAMERAS:
         raise UnknownNameError("camera", camera, CAMERAS)
     for what, value in (("width", width), ("height", height)):

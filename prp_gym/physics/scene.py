@@ -1,4 +1,4 @@
-"""What the worlds of all robots share, as parts of an MJCF document: integration, light, floor, cameras."""
+"""Parts of the MJCF documents of all robots: integration, light, floor, cameras."""
 
 import math
 
@@ -6,7 +6,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.robot.parameters import Vector3
 
 FLOOR_HEIGHT = -0.15
-"""Of the drawn floor [m]: below all that a robot can reach. It stops nothing."""
+"""Height of the drawn floor [m], below the workspace of all robots. It has no contacts."""
 
 CAMERAS = ("overview", "top")
 
@@ -48,7 +48,7 @@ def check_timestep(timestep: float) -> float:
     """The timestep [s] as a plain float.
 
     Raises:
-        InvalidValueError: not positive, or not finite.
+        InvalidValueError: The timestep is not positive or not finite.
     """
     if not (timestep > 0.0 and math.isfinite(timestep)):
         raise InvalidValueError("timestep", timestep, "above 0 and finite", "s")
@@ -56,16 +56,16 @@ def check_timestep(timestep: float) -> float:
 
 
 def opening(timestep: float, gravity: float, contact: bool = False, impedance_ratio: float = 1.0) -> str:
-    """A document's options and scenery, up to the robot in its world body.
+    """Options and scenery of a document, up to the robot in its world body.
 
     Args:
-        timestep: of the integration, which is semi-implicit Euler [s].
-        gravity: its magnitude, along -z [m/s^2].
-        contact: whether anything can touch anything; where nothing can, MuJoCo need not look.
+        timestep: Time step of the integration, which is semi-implicit Euler [s].
+        gravity: Magnitude of the gravitational acceleration, which points along -z [m/s^2].
+        contact: Whether contacts are possible; without them MuJoCo skips collision detection.
         impedance_ratio: MuJoCo's `impratio`.
 
     Returns:
-        The text; the caller closes `worldbody`.
+        Text of the document; the caller closes `worldbody`.
     """
     flag = "enable" if contact else "disable"
     options = _OPTIONS.format(timestep=timestep, gravity=0.0 - gravity, ratio=impedance_ratio, contact=flag)
@@ -73,7 +73,7 @@ def opening(timestep: float, gravity: float, contact: bool = False, impedance_ra
 
 
 def numbers(*values: float) -> str:
-    """An attribute's value with all digits."""
+    """Value of an attribute with all digits."""
     return " ".join(repr(float(value)) for value in values)
 
 
@@ -82,16 +82,16 @@ def inertial(mass: float, center: Vector3, moments: Vector3) -> str:
     return f'<inertial mass="{mass!r}" pos="{numbers(*center)}" diaginertia="{numbers(*moments)}"/>'
 
 
-def geom(kind: str, size: str, material: str, place: str, name: str = "") -> str:
-    """A shape that is drawn and touches nothing."""
+def geom(kind: str, size: str, material: str, position: str, name: str = "") -> str:
+    """A geom that is drawn and has no contacts."""
     label = f'name="{name}" ' if name else ""
     return (
-        f'<geom {label}type="{kind}" size="{size}" material="{material}" {place}'
+        f'<geom {label}type="{kind}" size="{size}" material="{material}" {position}'
         ' contype="0" conaffinity="0" group="1"/>'
     )
 
 
 def motors(joints: tuple[str, ...]) -> str:
-    """A motor without gear or limit for each joint, under the joint's name."""
+    """A motor without gear or limit for each joint, named like the joint."""
     each = (f'<motor name="{joint}" joint="{joint}"/>' for joint in joints)
     return "<actuator>" + "".join(each) + "</actuator>"

@@ -23,7 +23,7 @@ _KINEMATIC_GAIN = np.array([1.0] * 6 + [1.0] * 4 + [-1.0, 0.0] + [1.0] * 4 + [-1
 _KINEMATIC_OFFSET = np.array([0.0] * 10 + [np.pi / 2, np.pi / 2] + [0.0] * 6)
 
 MEASUREMENT_SIZE = 18
-"""Columns of the measurement that every world of the arm has: joint state, pose and pose rate."""
+"""Number of columns of the measurement in every world of the arm: joint state, pose and pose rate."""
 
 _TIP_POSITION, _TIP_VELOCITY = slice(6, 9), slice(12, 15)
 _AFTER_FORCE = MEASUREMENT_SIZE + 3
@@ -37,10 +37,10 @@ class Physics(Simulation):
     each per second for rates, [N m, N, N m] for torques and [N] for forces.
 
     Args:
-        parameters: the arm that is simulated (the plant).
-        settings: the world.
-        num_simulations: N, at least 1.
-        num_threads: worker threads; 0 takes all cores.
+        parameters: Parameters of the simulated arm (the plant).
+        settings: Settings of the world.
+        num_simulations: Number of simulations N, at least 1.
+        num_threads: Number of worker threads; 0 uses all cores.
 
     Raises:
         InvalidValueError: fewer than one simulation.
@@ -85,21 +85,21 @@ class Physics(Simulation):
 
     @property
     def tip_velocity(self) -> Array:
-        """(N, 3) in the world frame [m/s]."""
+        """Tip velocities (N, 3) in the world frame [m/s]."""
         return self._tip_velocity
 
     def set_surface(self, ids: Ids, surface: Surface, center: Array | None = None) -> None:
-        """Give some simulations their own surface; takes effect at the next `reset` or `advance`.
+        """Set the surfaces of some simulations; they take effect at the next `reset` or `advance`.
 
         Args:
-            ids: (n) the simulations.
-            surface: n planes.
-            center: (n, 3) points [m] at whose projections the planes are drawn, which they extend beyond;
-                the tip at home by default.
+            ids: Indices of the simulations (n).
+            surface: Surface with n planes.
+            center: Points (n, 3) [m] at whose projections the patches of the unbounded planes are drawn; by
+                default the tip position at home.
 
         Raises:
-            InvalidValueError: the world was built without a surface.
-            ShapeError: not n planes.
+            InvalidValueError: The world was built without a surface.
+            ShapeError: The surface does not have n planes.
         """
         if not self.settings.surface:
             raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
@@ -108,16 +108,16 @@ class Physics(Simulation):
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
     ) -> None:
-        """Give some simulations their own masses and friction; their surfaces stay as they are.
+        """Set masses and friction of some simulations; their surfaces do not change.
 
         Args:
-            ids: (n) the simulations.
-            mass_factor: (n, 3) factors on each link's mass and inertia.
-            viscous_friction: F_v (n, 3) [N m s/rad, N s/m, N m s/rad].
-            coulomb_friction: F_s (n, 3) [N m, N, N m].
+            ids: Indices of the simulations (n).
+            mass_factor: Factors (n, 3) of each link's mass and inertia.
+            viscous_friction: Coefficients F_v of the viscous friction (n, 3) [N m s/rad, N s/m, N m s/rad].
+            coulomb_friction: Coulomb friction F_s (n, 3) [N m, N, N m].
 
         Raises:
-            ShapeError: another shape.
-            InvalidValueError: a factor that is not positive, negative friction, a value that is not finite.
+            ShapeError: An argument has another shape.
+            InvalidValueError: A factor that is not positive, negative friction, a value that is not finite.
         """
         self._fields.set_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)

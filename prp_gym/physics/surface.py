@@ -1,4 +1,4 @@
-"""The elastic surface: a plane that pushes back on the tip as a spring and damper, on one side only."""
+"""The elastic surface: a plane that acts on the tip as a unilateral spring and damper."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,32 +10,32 @@ from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
 
 IMPEDANCE = 1e-4
-"""d of MuJoCo's solimp, its smallest value: it leaves d/((1-d)Â), 0.13 g here, as a spurious added mass."""
+"""Smallest value of d in MuJoCo's solimp; it causes a spurious added mass of d/((1-d)Â), here 0.13 g."""
 
 
 IMPEDANCE_RATIO = 3000.0
-"""MuJoCo's impratio in worlds with friction: so stiff a friction leaves the normal force alone."""
+"""MuJoCo's impratio in worlds with friction; with such a stiff friction the normal force is not affected."""
 
 _FRICTION_DAMPING = 300.0  # [N s/m]: below a slip speed of mu f_n / this, friction is viscous
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Elastic planes, one per simulation: the points p with normal·p = offset.
+    """Elastic planes normal·p = offset, one per simulation.
 
     The free side is normal·p > offset. With depth = offset - normal·tip and rate its derivative, the
     tip presses with max(0, stiffness·depth + damping·rate) while depth > 0, and nothing otherwise.
 
     Attributes:
-        stiffness: K (n) [N/m], above 0.
-        damping: D (n) [N s/m], at least 0.
-        normal: (n, 3) unit vectors in the world frame, out of the surface to the free side.
-        offset: (n) distance of the plane from the world's origin along the normal [m].
+        stiffness: Stiffness K (n) [N/m], above 0.
+        damping: Damping D (n) [N s/m], at least 0.
+        normal: Unit vectors (n, 3) in the world frame that point out of the surface to the free side.
+        offset: Distance (n) of the plane from the world's origin along the normal [m].
 
     Raises:
         InvalidValueError: a stiffness that is not positive, negative damping, a zero normal, a value
             that is not finite.
-        ShapeError: arrays of different length.
+        ShapeError: arrays have different lengths.
     """
 
     stiffness: Array
@@ -59,7 +59,7 @@ class Surface:
         largest = np.abs(self.normal).max(axis=-1)
         self._require("normal", largest > 0.0, "a vector of positive length", "")
         self._require("offset", np.isfinite(self.offset), "a finite number", "m")
-        scaled = self.normal / largest[:, None]  # so that the squares neither vanish nor overflow
+        scaled = self.normal / largest[:, None]  # so that the squares neither underflow nor overflow
         normal = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
         normal.flags.writeable = False
         object.__setattr__(self, "normal", normal)
@@ -86,7 +86,7 @@ class Surface:
 
     @classmethod
     def concatenate(cls, surfaces: Sequence["Surface"]) -> "Surface":
-        """The planes of several, in order."""
+        """Surface with the planes of several surfaces, in order."""
         return cls(
             np.concatenate([surface.stiffness for surface in surfaces]),
             np.concatenate([surface.damping for surface in surfaces]),
@@ -95,7 +95,7 @@ class Surface:
         )
 
     def quaternions(self) -> Array:
-        """(n, 4) rotations (w, x, y, z) that turn the z axis into the normals."""
+        """Quaternions (n, 4) (w, x, y, z) that rotate the z axis into the normals."""
         x, y, z = self.normal[:, 0], self.normal[:, 1], self.normal[:, 2]
         quaternion = np.stack([1.0 + z, -y, x, np.zeros_like(z)], axis=-1)
         down = z < -1.0 + 1e-12
@@ -105,7 +105,7 @@ class Surface:
 
 
 def friction_reference(inverse_weight: Array) -> Array:
-    """MuJoCo's `solreffriction` that makes the surface's friction stiff whatever the surface's damping.
+    """MuJoCo's `solreffriction` that makes the friction stiff for every damping of the surface.
 
     Args:
         inverse_weight: (n) `body_invweight0` (translation) of the tip's body [1/kg].

@@ -1,4 +1,4 @@
-"""The arm and the one-joint link: parameters, kinematics, dynamics, and descriptions for other tools."""
+"""The arm and the one-joint link: parameters, kinematics, dynamics, and export as URDF."""
 
 from prp_gym.robot.arm import OperationalSpaceDynamics, PRPArm
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters

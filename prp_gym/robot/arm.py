@@ -1,4 +1,4 @@
-"""`PRPArm`: the arm's kinematics and dynamics behind one name."""
+"""`PRPArm`: kinematics and dynamics of the arm in one class."""
 
 from typing import NamedTuple
 
@@ -14,9 +14,10 @@ class OperationalSpaceDynamics(NamedTuple):
     """B_A(x) ẍ + C_A ẋ + g_A(x) = u - u_e, in the coordinates of the pose.
 
     Attributes:
-        inertia: B_A = J_A^{+T} B J_A^+, (..., 6, 6), of rank 3.
-        coriolis_force: C_A ẋ = (J_A^{+T} C - B_A J̇_A) q̇, (..., 6) [N, N, N, N m, N m, N m].
-        gravity_force: g_A = J_A^{+T} g, (..., 6) [N, N, N, N m, N m, N m].
+        inertia: Inertia matrix B_A = J_A^{+T} B J_A^+, (..., 6, 6), of rank 3.
+        coriolis_force: Coriolis and centrifugal force C_A ẋ = (J_A^{+T} C - B_A J̇_A) q̇,
+            (..., 6) [N, N, N, N m, N m, N m].
+        gravity_force: Gravity force g_A = J_A^{+T} g, (..., 6) [N, N, N, N m, N m, N m].
     """
 
     inertia: Array
@@ -25,12 +26,12 @@ class OperationalSpaceDynamics(NamedTuple):
 
 
 class PRPArm(Dynamics):
-    """The three-joint arm: joints 1 and 3 turn, joint 2 slides (the name PRP is historical).
+    """The three-joint arm: joints 1 and 3 are revolute, joint 2 is prismatic (the name PRP is historical).
 
-    Every method broadcasts over leading dimensions of its arguments and never changes them.
+    Every method broadcasts over the leading dimensions of its arguments and never modifies them.
 
     Args:
-        parameters: the arm; the nominal one by default.
+        parameters: Parameters of the arm; the nominal ones by default.
     """
 
     def inverse_dynamics(
@@ -40,7 +41,7 @@ class PRPArm(Dynamics):
         joint_acceleration: ArrayLike,
         contact_force: ArrayLike = (0.0, 0.0, 0.0),
     ) -> Array:
-        """Joint torques of a motion, by the recursive Newton-Euler algorithm.
+        """Joint torques that produce a motion, by the recursive Newton-Euler algorithm.
 
         Args:
             joint_position: (..., 3) [rad, m, rad].
@@ -52,7 +53,7 @@ class PRPArm(Dynamics):
             (..., 3) [N m, N, N m].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 7.5.2.
         """
@@ -67,18 +68,18 @@ class PRPArm(Dynamics):
     def operational_space_dynamics(
         self, joint_position: ArrayLike, joint_velocity: ArrayLike
     ) -> OperationalSpaceDynamics:
-        """The dynamic model in operational space; friction is left out.
+        """Dynamic model in operational space, without friction.
 
         Args:
             joint_position: (..., 3) [rad, m, rad].
             joint_velocity: (..., 3) [rad/s, m/s, rad/s].
 
         Returns:
-            inertia (..., 6, 6), Coriolis and gravity forces (..., 6). J_A has full column rank
-            everywhere, so that the pseudoinverse is always defined.
+            Inertia matrix (..., 6, 6), Coriolis and gravity forces (..., 6). J_A has full column rank
+            everywhere, so that its pseudoinverse is always defined.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 7.8; [R] 5.1.
         """
@@ -108,10 +109,10 @@ class PRPArm(Dynamics):
             reference_acceleration: q̈_r (..., 3) [rad/s^2, m/s^2, rad/s^2].
 
         Returns:
-            (..., 3, 12): columns as in `parameter_vector`.
+            (..., 3, 12); the columns are ordered as in `parameter_vector`.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 7.2.2, 8.5.4.
         """
@@ -150,7 +151,7 @@ class PRPArm(Dynamics):
         return Y
 
     def parameter_vector(self) -> Array:
-        """Θ (12): the six base parameters, then F_v (3) and F_s (3); units as in their declarations."""
+        """Θ (12): the six base parameters, then F_v (3) and F_s (3), in the units of their declarations."""
         base = self.base_parameters
         return np.array(
             [

@@ -1,4 +1,4 @@
-"""The one place where joint vectors and tip positions are converted and their shape is checked."""
+"""Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,7 @@ def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
     """`values` as a float64 array whose last axis has `size` components.
 
     Raises:
-        ShapeError: another last axis.
+        ShapeError: the last axis has another size.
     """
     array = np.asarray(values, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != size:
@@ -21,7 +21,7 @@ def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
 
 
 def matrix_like(reference: Array, rows: int, columns: int) -> Array:
-    """Zeros of shape `reference`'s leading dimensions + (rows, columns)."""
+    """Zeros (..., rows, columns) with the leading dimensions of `reference`."""
     return np.zeros((*reference.shape[:-1], rows, columns))
 
 
@@ -40,7 +40,7 @@ def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> A
     """Damped pseudoinverse times vector, (AᵀA + λ²I)⁻¹Aᵀb: (..., m, n), (..., m) -> (..., n).
 
     Args:
-        matrix: A (..., m, n), m >= n; of full column rank where there is no damping.
+        matrix: A (..., m, n) with m >= n; it must have full column rank if the damping is zero.
         vector: b (..., m).
         damping: λ, in the units of A's singular values.
 

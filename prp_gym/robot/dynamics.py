@@ -1,7 +1,7 @@
 """Inertia, Coriolis, gravity and energies in closed form over any leading dimensions.
 
-B(q) q̈ + C(q, q̇) q̇ + F_v q̇ + F_s sign(q̇) + g(q) = τ - J^T h_e, with h_e the force by the tip on the
-environment. Symbols: u = d̄_2 + q_2; c_i the distances to the centres of mass.
+B(q) q̈ + C(q, q̇) q̇ + F_v q̇ + F_s sign(q̇) + g(q) = τ - J^T h_e, with h_e the force of the tip on the
+environment. Symbols: u = d̄_2 + q_2; c_i are the distances to the centres of mass.
 """
 
 from dataclasses import dataclass
@@ -17,15 +17,15 @@ from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 @dataclass(frozen=True)
 class BaseParameters:
-    """The combinations of masses and inertias on which the motion depends, linear in all of them.
+    """Base parameters: the combinations of masses and inertias in which the dynamics are linear.
 
     Attributes:
-        first_axis: m_1c_1² + I_1z + (m_2 + m_3)a_1² + I_2z + m_2c_2² + I_3y [kg m^2].
-        slide_mass: m_2 + m_3 [kg].
-        second_moment: m_2c_2 [kg m].
-        third_moment: m_3c_3 [kg m].
-        third_spread: m_3c_3² + I_3z - I_3y [kg m^2].
-        third_axis: m_3c_3² + I_3x [kg m^2].
+        first_axis: Inertia m_1c_1² + I_1z + (m_2 + m_3)a_1² + I_2z + m_2c_2² + I_3y [kg m^2].
+        slide_mass: Mass m_2 + m_3 moved by the slide [kg].
+        second_moment: First moment of mass m_2c_2 [kg m].
+        third_moment: First moment of mass m_3c_3 [kg m].
+        third_spread: Inertia difference m_3c_3² + I_3z - I_3y [kg m^2].
+        third_axis: Inertia m_3c_3² + I_3x [kg m^2].
     """
 
     first_axis: float
@@ -57,9 +57,9 @@ class Dynamics(MotionConversion):
     """The closed-form rigid-body model of the arm.
 
     Attributes:
-        joint_count: 3.
+        joint_count: Number of joints, 3.
 
-    Source: [S] 7.1-7.3; [R] 2-3, with its inertia, Coriolis and gravity errors corrected.
+    Source: [S] 7.1-7.3; [R] 2-3, with the errors in inertia, Coriolis and gravity terms corrected.
     """
 
     joint_count: ClassVar[int] = 3
@@ -80,7 +80,7 @@ class Dynamics(MotionConversion):
             (..., 3, 3) [kg m^2, kg m, kg m^2; kg m, kg, kg m; kg m^2, kg m, kg m^2].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q = as_vectors(joint_position, "joint_position")
         base, a_1 = self.base_parameters, self.parameters.geometry.first_link_offset
@@ -107,10 +107,10 @@ class Dynamics(MotionConversion):
             joint_velocity: (..., 3) [rad/s, m/s, rad/s].
 
         Returns:
-            (..., 3, 3), the units of B per second.
+            (..., 3, 3) [units of B per second].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q, velocity = self._state(joint_position, joint_velocity)
         base, a_1 = self.base_parameters, self.parameters.geometry.first_link_offset
@@ -138,7 +138,7 @@ class Dynamics(MotionConversion):
             (..., 3) [N m, N, N m].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q = as_vectors(joint_position, "joint_position")
         gravity = np.zeros(q.shape)
@@ -155,7 +155,7 @@ class Dynamics(MotionConversion):
             (..., 3) [N m, N, N m].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         velocity = as_vectors(joint_velocity, "joint_velocity")
         friction: Array = self._viscous_friction * velocity + self._coulomb_friction * np.sign(velocity)
@@ -172,7 +172,7 @@ class Dynamics(MotionConversion):
             (..., 3) [N m, N, N m].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q, velocity = self._state(joint_position, joint_velocity)
         coriolis = apply(self.coriolis_matrix(q, velocity), velocity)
@@ -197,7 +197,7 @@ class Dynamics(MotionConversion):
             (..., 3) [rad/s^2, m/s^2, rad/s^2].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q, velocity = self._state(joint_position, joint_velocity)
         force = as_vectors(contact_force, "contact_force")
@@ -217,14 +217,14 @@ class Dynamics(MotionConversion):
             (...) [J].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q, velocity = self._state(joint_position, joint_velocity)
         energy: Array = 0.5 * (velocity * apply(self.inertia_matrix(q), velocity)).sum(axis=-1)
         return energy
 
     def potential_energy(self, joint_position: ArrayLike) -> Array:
-        """U = Σ m_i g z_i, zero with all masses on the floor.
+        """U = Σ m_i g z_i, zero if all masses were on the floor.
 
         Args:
             joint_position: (..., 3) [rad, m, rad].
@@ -233,7 +233,7 @@ class Dynamics(MotionConversion):
             (...) [J].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
         """
         q = as_vectors(joint_position, "joint_position")
         height = self.parameters.geometry.base_height

@@ -1,4 +1,4 @@
-"""Inverse kinematics of the tip position: all four branches, and the one nearest to a seed."""
+"""Inverse kinematics of the tip position: all four branches, and the one closest to a seed."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,19 +8,19 @@ from prp_gym.robot.arrays import Array, as_vectors
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import JOINT_UNITS
 
-_TOLERANCE = 1e-8  # [rad] or [m]: rounding of a point on a limit, √ε a_3 where a branch folds
+_TOLERANCE = 1e-8  # [rad] or [m]: rounding of a point on a limit, √ε a_3 where two branches meet
 _COS_3_SIGNS = np.array([1.0, 1.0, -1.0, -1.0])
 _REACH_SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
 
 
 def branches(kinematics: Kinematics, tip_position: Array) -> Array:
-    """The four solutions of the position equations, limits ignored.
+    """The four solutions of the position equations, without regard to the joint limits.
 
-    Where a square root has no real value the solution is that of the nearest real one, so that it
-    misses the point; compare forward kinematics with the point to tell.
+    Where a square root has no real value, its argument is clipped to zero, and the solution does not
+    attain the point; compare its forward kinematics with the point to detect this.
 
     Args:
-        kinematics: the arm.
+        kinematics: Kinematics of the arm.
         tip_position: (..., 3) in the world frame [m].
 
     Returns:
@@ -45,7 +45,7 @@ class InverseKinematics(Kinematics):
     """Joint positions that put the tip at a point."""
 
     def inverse_kinematics_branches(self, tip_position: ArrayLike) -> tuple[Array, NDArray[np.bool_]]:
-        """All joint positions that attain a point within the joint limits.
+        """All joint positions that attain a point, and whether they are within the joint limits.
 
         Args:
             tip_position: (..., 3) in the world frame [m].
@@ -55,7 +55,7 @@ class InverseKinematics(Kinematics):
             limits (..., 4). Branches: (sign C_3, sign L) = ++, +-, -+, --.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
             NonFiniteError: NaN or infinity in the point.
         """
         point = as_vectors(tip_position, "tip_position")
@@ -70,20 +70,20 @@ class InverseKinematics(Kinematics):
         return joints, within & (missed < _TOLERANCE)
 
     def inverse_kinematics(self, tip_position: ArrayLike, seed: ArrayLike) -> Array:
-        """The joint position that attains a point and lies nearest to a seed.
+        """The joint position that attains a point and is closest to a seed.
 
         Args:
             tip_position: (..., 3) in the world frame [m].
-            seed: (..., 3) [rad, m, rad]; nearness is measured in fractions of the joint ranges.
+            seed: (..., 3) [rad, m, rad]; distance is measured in fractions of the joint ranges.
 
         Returns:
             (..., 3) [rad, m, rad], within the joint limits.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
             NonFiniteError: NaN or infinity in the point or the seed.
-            UnreachableError: no branch attains the point within the limits; it carries the distance
-                [m] by which the nearest branch, clipped to the limits, misses, and what was broken.
+            UnreachableError: no branch attains the point within the limits; the error holds the distance
+                [m] of the closest branch, clipped to the limits, and the limits that it exceeds.
         """
         point = as_vectors(tip_position, "tip_position")
         start = as_vectors(seed, "seed")
@@ -102,7 +102,7 @@ class InverseKinematics(Kinematics):
         return chosen
 
     def _turned_into_range(self, joints: Array) -> Array:
-        """The same angles of joints 1 and 3 (..., 3), full turns away where that is within the limits."""
+        """Angles of joints 1 and 3 (..., 3), moved into the limits by full turns where possible."""
         for joint in (0, 2):
             low, high = self.parameters.joint_lower[joint], self.parameters.joint_upper[joint]
             angle = joints[..., joint]
@@ -112,7 +112,7 @@ class InverseKinematics(Kinematics):
         return joints
 
     def _turned_towards(self, joints: Array, seed: Array) -> Array:
-        """The same angles of joints 1 and 3, full turns nearer to a seed where the limits permit it."""
+        """Angles of joints 1 and 3, moved by full turns towards a seed where the limits permit it."""
         for joint in (0, 2):
             low, high = self.parameters.joint_lower[joint], self.parameters.joint_upper[joint]
             angle = joints[..., joint]

@@ -22,10 +22,10 @@ class _Trigonometry(NamedTuple):
 
 
 class Kinematics:
-    """Where the arm's frames and tip are, and how they move.
+    """Forward kinematics and Jacobians of the arm.
 
     Args:
-        parameters: the arm; lengths are read from its geometry.
+        parameters: Parameters of the arm; only their geometry is read.
 
     Source: [S] 2.8, 3.1, 3.6; [R] 1.
     """
@@ -60,7 +60,7 @@ class Kinematics:
             α = q_1, β = π/2 - q_3, γ = π/2.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [R] 1.2, 1.3.
         """
@@ -77,7 +77,7 @@ class Kinematics:
         return pose
 
     def reach(self, joint_position: ArrayLike) -> Array:
-        """L = q_2 + d̄_2 + a_3 C_3, how far the tip lies from joint 1's plane along the slide.
+        """L = q_2 + d̄_2 + a_3 C_3, the distance of the tip from joint 1's axis along the slide.
 
         Args:
             joint_position: (..., 3) [rad, m, rad].
@@ -86,14 +86,14 @@ class Kinematics:
             (...) [m].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [R] 1.3.
         """
         return self._trigonometry(as_vectors(joint_position, "joint_position")).reach
 
     def transforms(self, joint_position: ArrayLike) -> Array:
-        """Every Denavit-Hartenberg frame in the world frame.
+        """All Denavit-Hartenberg frames, expressed in the world frame.
 
         Args:
             joint_position: (..., 3) [rad, m, rad].
@@ -103,7 +103,7 @@ class Kinematics:
             translations in [m].
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 2.8.2; the table in [R] 1.1.
         """
@@ -140,7 +140,7 @@ class Kinematics:
             Full column rank everywhere; its position part is singular at q_3 = ±π/2 and at L = 0.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 3.6; [R] 1.4.
         """
@@ -161,7 +161,7 @@ class Kinematics:
             (..., 6, 3): linear rows [m/rad, 1, m/rad], then angular rows, both in the world frame.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 3.1; [R] 1.5.
         """
@@ -192,10 +192,10 @@ class Kinematics:
             joint_velocity: (..., 3) [rad/s, m/s, rad/s].
 
         Returns:
-            (..., 6, 3), the units of J_A per second; the angular rows are zero.
+            (..., 6, 3), [units of J_A per second]; the angular rows are zero.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: derivative of [R] 1.4 (its printed J̇_A has misplaced dots).
         """
@@ -223,11 +223,11 @@ class Kinematics:
             joint_position: (..., 3) [rad, m, rad].
 
         Returns:
-            (..., 6, 6); it maps (ṗ, α̇, β̇, γ̇) to (ṗ, ω) on the motions that the arm can make. Rank 5:
-            the γ column is zero, since γ never moves.
+            (..., 6, 6); it maps (ṗ, α̇, β̇, γ̇) to (ṗ, ω) for all motions of the arm. Its rank is 5:
+            the γ column is zero, since γ is constant.
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [R] 1.6.
         """
@@ -241,7 +241,7 @@ class Kinematics:
 
 
 def _denavit_hartenberg_transform(a: float, alpha: float, d: Array, theta: Array) -> Array:
-    """T_{i-1}^i of one row of the table, (..., 4, 4)."""
+    """T_{i-1}^i of one row of the Denavit-Hartenberg table, (..., 4, 4)."""
     sine, cosine = np.sin(theta), np.cos(theta)
     sin_alpha, cos_alpha = math.sin(alpha), math.cos(alpha)
     transform = np.zeros((*theta.shape, 4, 4))

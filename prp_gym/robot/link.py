@@ -1,4 +1,4 @@
-"""The link: one joint under gravity whose three parameters an adaptive law estimates.
+"""The link: one joint under gravity, whose three parameters adaptive control estimates.
 
 I q̈ + F q̇ + G sin q = τ, with q = 0 where the link hangs down.
 """
@@ -16,19 +16,19 @@ from prp_gym.robot.arrays import Array, as_vectors, matrix_like
 
 @dataclass(frozen=True)
 class LinkParameters:
-    """The numbers of the link; the defaults are the report's.
+    """Parameters of the link; the defaults are the report's.
 
     Attributes:
-        inertia: I about the joint's axis [kg m^2].
-        viscous_friction: F [N m s/rad].
+        inertia: Moment of inertia I about the joint's axis [kg m^2].
+        viscous_friction: Coefficient F of the viscous friction [N m s/rad].
         gravity_moment: G, the largest moment of the weight about the joint's axis [N m].
-        torque_limit: actuator limit (1) [N m].
+        torque_limit: Actuator limit (1) [N m].
 
     Raises:
         InvalidValueError: an inertia or torque limit that is not positive, negative friction or gravity
             moment, a value that is not finite.
 
-    Source: [R] 8.1; the torque limit is ours.
+    Source: [R] 8.1, except the torque limit, which is this suite's own.
     """
 
     inertia: float = 0.5
@@ -62,11 +62,11 @@ NOMINAL_LINK = LinkParameters()
 class Link:
     """The closed-form model of the link; its methods are those of `PRPArm`, for one joint.
 
-    Every method broadcasts over leading dimensions of its arguments and never changes them.
+    Every method broadcasts over the leading dimensions of its arguments and never modifies them.
 
     Attributes:
-        parameters: the link; the report's by default.
-        joint_count: 1.
+        parameters: Parameters of the link; the report's by default.
+        joint_count: Number of joints, 1.
 
     Source: [R] 8.1.
     """
@@ -75,7 +75,7 @@ class Link:
     joint_count: ClassVar[int] = 1
 
     def inertia_matrix(self, joint_position: ArrayLike) -> Array:
-        """B = I, whatever the position.
+        """B = I, which does not depend on the position.
 
         Args:
             joint_position: (..., 1) [rad].
@@ -84,7 +84,7 @@ class Link:
             (..., 1, 1) [kg m^2].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         B = matrix_like(as_vectors(joint_position, "joint_position", 1), 1, 1)
         B[...] = self.parameters.inertia
@@ -101,7 +101,7 @@ class Link:
             (..., 1, 1) [kg m^2/s].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         return matrix_like(self._state(joint_position, joint_velocity)[0], 1, 1)
 
@@ -115,7 +115,7 @@ class Link:
             (..., 1) [N m].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         gravity: Array = self.parameters.gravity_moment * np.sin(
             as_vectors(joint_position, "joint_position", 1)
@@ -132,7 +132,7 @@ class Link:
             (..., 1) [N m].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         return self.parameters.viscous_friction * as_vectors(joint_velocity, "joint_velocity", 1)
 
@@ -147,14 +147,14 @@ class Link:
             (..., 1) [N m].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         return self.friction_force(joint_velocity) + self.gravity_vector(joint_position)
 
     def forward_dynamics(
         self, joint_position: ArrayLike, joint_velocity: ArrayLike, torque: ArrayLike
     ) -> Array:
-        """Joint acceleration that a torque causes.
+        """Joint acceleration caused by a torque.
 
         Args:
             joint_position: (..., 1) [rad].
@@ -165,7 +165,7 @@ class Link:
             (..., 1) [rad/s^2].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         surplus = as_vectors(torque, "torque", 1) - self.bias_force(joint_position, joint_velocity)
         return surplus / self.parameters.inertia
@@ -181,7 +181,7 @@ class Link:
             (...) [J].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         _, velocity = self._state(joint_position, joint_velocity)
         energy: Array = 0.5 * self.parameters.inertia * velocity[..., 0] ** 2
@@ -197,7 +197,7 @@ class Link:
             (...) [J].
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
         """
         q = as_vectors(joint_position, "joint_position", 1)
         energy: Array = self.parameters.gravity_moment * (1.0 - np.cos(q[..., 0]))
@@ -214,7 +214,7 @@ class Link:
 
         Args:
             joint_position: (..., 1) [rad].
-            joint_velocity: (..., 1) [rad/s]; nothing depends on it.
+            joint_velocity: (..., 1) [rad/s]; the result does not depend on it.
             reference_velocity: q̇_r (..., 1) [rad/s].
             reference_acceleration: q̈_r (..., 1) [rad/s^2].
 
@@ -222,9 +222,9 @@ class Link:
             (..., 1, 3): columns q̈_r, q̇_r, sin q, as in `parameter_vector`.
 
         Raises:
-            ShapeError: not one component.
+            ShapeError: an argument does not have one component.
 
-        Source: [S] 8.5.4; [R] 8.1, which puts the measured acceleration and velocity in their places.
+        Source: [S] 8.5.4; [R] 8.1, which uses measured instead of reference values.
         """
         q, _, velocity, acceleration = np.broadcast_arrays(
             as_vectors(joint_position, "joint_position", 1),

@@ -1,4 +1,4 @@
-"""Motions of the joints as motions of the end effector, and back."""
+"""Conversion of motions between joint space and operational space."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,9 +8,9 @@ from prp_gym.robot.inverse_kinematics import InverseKinematics
 
 
 class MotionConversion(InverseKinematics):
-    """Position, velocity and acceleration in one space from those in the other.
+    """Converts position, velocity and acceleration between joint space and operational space.
 
-    The pose's angles α and β are those of joints 1 and 3, so that a motion of the pose names its branch.
+    The pose's angles α and β determine joints 1 and 3, so that a motion of the pose determines the branch.
     """
 
     def pose_motion(
@@ -27,7 +27,7 @@ class MotionConversion(InverseKinematics):
             pose (..., 6) [m, m, m, rad, rad, rad], its rate and its second derivative (..., 6).
 
         Raises:
-            ShapeError: not three components.
+            ShapeError: an argument does not have three components.
 
         Source: [S] 3.6, 3.8.
         """
@@ -41,11 +41,11 @@ class MotionConversion(InverseKinematics):
         return self.forward_kinematics(q), apply(J_A, velocity), apply(J_A, acceleration) + drift
 
     def joint_position_of_pose(self, pose: ArrayLike) -> Array:
-        """The joint position of a pose, joint limits ignored.
+        """The joint position of a pose, without regard to the joint limits.
 
-        Joints 1 and 3 follow from the angles α and β, on their branch and turn; the slide from the tip
-        position along its own direction. For a pose that the arm cannot attain the angles are kept and the
-        tip is as near as the slide can bring it.
+        Joints 1 and 3 follow from the angles α and β, including full turns; the slide follows from the tip
+        position along the slide's direction. For a pose that the arm cannot attain, the angles are attained
+        and the tip is as close to the position as the slide permits.
 
         Args:
             pose: (..., 6) [m, m, m, rad, rad, rad].
@@ -54,7 +54,7 @@ class MotionConversion(InverseKinematics):
             (..., 3) [rad, m, rad].
 
         Raises:
-            ShapeError: not six components.
+            ShapeError: an argument does not have six components.
 
         Source: [R] 1.3, for the tip frame.
         """
@@ -69,7 +69,7 @@ class MotionConversion(InverseKinematics):
     def joint_motion(
         self, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
     ) -> tuple[Array, Array, Array]:
-        """The joints' motion: q of `joint_position_of_pose`, q̇ = J_A⁺ẋ, q̈ = J_A⁺(ẍ - J̇_A q̇), with J_A at q.
+        """Motion of the joints: q of `joint_position_of_pose`, q̇ = J_A⁺ẋ, q̈ = J_A⁺(ẍ - J̇_A q̇), with J_A at q.
 
         Args:
             pose: (..., 6) [m, m, m, rad, rad, rad].
@@ -77,10 +77,10 @@ class MotionConversion(InverseKinematics):
             acceleration: (..., 6) per second squared.
 
         Returns:
-            joint position, velocity and acceleration (..., 3) [rad, m, rad] and per second.
+            Joint position, velocity and acceleration (..., 3) [rad, m, rad] and per second.
 
         Raises:
-            ShapeError: not six components.
+            ShapeError: an argument does not have six components.
 
         Source: [S] 3.7.
         """

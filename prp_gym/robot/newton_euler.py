@@ -1,4 +1,4 @@
-"""Recursive Newton-Euler inverse dynamics: an algorithm of its own, not the closed form rearranged."""
+"""Recursive Newton-Euler inverse dynamics, independent of the closed form."""
 
 import numpy as np
 
@@ -11,18 +11,18 @@ _PRISMATIC = (False, True, False)
 def recursive_newton_euler(
     kinematics: Kinematics, q: Array, velocity: Array, acceleration: Array, tip_force: Array
 ) -> Array:
-    """Joint torques of a motion, friction excluded.
+    """Joint torques that produce a motion, without friction.
 
     All vectors are resolved in the world frame. The outward sweep gives the motion of every frame and
     centre of mass, the inward sweep the forces and moments between the links; gravity enters as an
     upward acceleration of the base.
 
     Args:
-        kinematics: the arm; masses and inertias are read from its parameters.
+        kinematics: Kinematics of the arm; masses and inertias are read from its parameters.
         q: (..., 3) [rad, m, rad].
         velocity: (..., 3) [rad/s, m/s, rad/s].
         acceleration: (..., 3) [rad/s^2, m/s^2, rad/s^2].
-        tip_force: (..., 3) force by the tip on the environment, world frame [N].
+        tip_force: (..., 3) force of the tip on the environment, in the world frame [N].
 
     Returns:
         (..., 3) [N m, N, N m].
@@ -47,7 +47,7 @@ def recursive_newton_euler(
 def _link_wrenches(
     kinematics: Kinematics, frames: Array, axis: Array, velocity: Array, acceleration: Array
 ) -> tuple[list[Array], list[Array]]:
-    """Per link, the force that accelerates it and its moment about the link's joint origin."""
+    """For each link, the force that accelerates it and its moment about the link's joint origin."""
     parameters = kinematics.parameters
     offsets, inertias = _in_denavit_hartenberg_frames(kinematics)
     spin = np.zeros((*velocity.shape[:-1], 3))

@@ -1,4 +1,4 @@
-"""The arm's geometry, masses, inertias and limits: the one source of every model of it."""
+"""The arm's geometry, masses, inertias and limits: the only source of all its models."""
 
 import math
 from collections.abc import Sequence
@@ -19,17 +19,17 @@ class ArmGeometry:
 
     Attributes:
         base_height: d_0, height of joint 1's frame above the floor.
-        first_link_offset: a_1, from joint 1's axis to the slide.
+        first_link_offset: a_1, distance from joint 1's axis to the slide.
         slide_offset: d̄_2, extension of the slide at q_2 = 0.
-        third_link_length: a_3, from joint 3's axis to the tip.
-        first_link_radius: r_1 of the solid cylinder.
-        first_link_cylinder_length: h_1; the cylinder spans hub to slide housing.
-        first_link_center_of_mass: c_1, from joint 1's axis along the link.
+        third_link_length: a_3, distance from joint 3's axis to the tip.
+        first_link_radius: Radius r_1 of the solid cylinder.
+        first_link_cylinder_length: Length h_1 of the cylinder, which spans hub to slide housing.
+        first_link_center_of_mass: Distance c_1 of the centre of mass from joint 1's axis along the link.
         second_link_length: a_2, long side of the box, along the slide.
-        second_link_width: b_2, horizontal side across the slide.
-        second_link_height: c_2 (a length here), vertical side.
-        third_link_radius: r_3 of the solid cylinder.
-        third_link_cylinder_length: h_3 of the solid cylinder, which ends at the tip.
+        second_link_width: b_2, horizontal side of the box across the slide.
+        second_link_height: c_2, vertical side of the box.
+        third_link_radius: Radius r_3 of the solid cylinder.
+        third_link_cylinder_length: Length h_3 of the solid cylinder, which ends at the tip.
     """
 
     base_height: float = 0.15
@@ -91,7 +91,7 @@ class ArmGeometry:
 
 
 def _cylinder(mass: float, radius: float, length: float) -> tuple[float, float]:
-    """Moments of inertia of a solid cylinder along and across its axis [kg m^2]."""
+    """Moments of inertia of a solid cylinder about its axis and across it [kg m^2]."""
     return mass * radius**2 / 2, mass * (3 * radius**2 + length**2) / 12
 
 
@@ -116,24 +116,24 @@ _MASS: Vector3 = (
 class RobotParameters:
     """Everything that the closed-form model, the MuJoCo model and the URDF are generated from.
 
-    The defaults are the nominal arm; masses do not follow another geometry, see `from_geometry`. Joint
-    order (1, 2, 3); joints 1 and 3 turn, joint 2 slides.
+    The defaults are those of the nominal arm. Masses are not derived from another geometry; use
+    `from_geometry` for that. The joint order is (1, 2, 3); joints 1 and 3 are revolute, joint 2 is prismatic.
 
     Attributes:
-        geometry: lengths [m].
-        link_mass: (3) [kg].
-        link_inertia: per link its principal moments (x, y, z) about the centre of mass, in the link
-            frame, whose axes coincide with the world's at q = 0 [kg m^2].
-        gravity: magnitude of gravity, along -z [m/s^2].
-        viscous_friction: F_v (3) [N m s/rad, N s/m, N m s/rad].
-        coulomb_friction: F_s (3) [N m, N, N m].
-        joint_lower: (3) [rad, m, rad].
-        joint_upper: (3) [rad, m, rad].
-        torque_limit: actuator limits (3) [N m, N, N m].
+        geometry: Lengths of the arm [m].
+        link_mass: Masses of the links (3) [kg].
+        link_inertia: Principal moments of inertia (x, y, z) of each link about its centre of mass, in the
+            link frame, whose axes coincide with the world's at q = 0 [kg m^2].
+        gravity: Magnitude of the gravitational acceleration, which points along -z [m/s^2].
+        viscous_friction: Coefficients F_v of the viscous friction (3) [N m s/rad, N s/m, N m s/rad].
+        coulomb_friction: Coulomb friction F_s (3) [N m, N, N m].
+        joint_lower: Lower joint limits (3) [rad, m, rad].
+        joint_upper: Upper joint limits (3) [rad, m, rad].
+        torque_limit: Actuator limits (3) [N m, N, N m].
 
     Raises:
-        InvalidValueError: a mass or inertia that is not positive, inertias no solid can have, negative
-            friction, an empty joint range.
+        InvalidValueError: a mass or inertia that is not positive, inertias that no solid can have, negative
+            friction, or an empty joint range.
     """
 
     geometry: ArmGeometry = field(default_factory=ArmGeometry)
@@ -171,7 +171,7 @@ class RobotParameters:
         self._make_plain()
 
     def _make_plain(self) -> None:
-        """Python floats throughout, so that exports print numbers and equality is plain."""
+        """Convert all values to Python floats, so that they print as numbers and compare with `==`."""
         object.__setattr__(self, "gravity", float(self.gravity))
         object.__setattr__(self, "link_inertia", tuple(tuple(map(float, row)) for row in self.link_inertia))
         for name in _VECTORS:
@@ -179,13 +179,13 @@ class RobotParameters:
 
     @classmethod
     def from_geometry(cls, geometry: ArmGeometry, density: float = ALUMINIUM_DENSITY) -> Self:
-        """Parameters of solid links of one density [kg/m^3] with the given lengths."""
+        """Parameters of solid links with the given lengths and density [kg/m^3]."""
         first, second, third = (density * volume for volume in geometry.volumes())
         masses = (first, second, third)
         return cls(geometry=geometry, link_mass=masses, link_inertia=geometry.inertias(masses))
 
     def with_masses(self, masses: Sequence[float]) -> Self:
-        """The same shapes with other link masses (3) [kg]; the inertias scale with the masses."""
+        """The same arm with other link masses (3) [kg]; the inertias scale with the masses."""
         _require("masses", masses, "kg", minimum=0.0, strict=True)
         return self.scaled([new / old for new, old in zip(masses, self.link_mass, strict=True)])
 
@@ -216,11 +216,11 @@ def _require(name: str, values: Sequence[float], unit: str, *, minimum: float, s
 
 
 def _report_parameters() -> RobotParameters:
-    """The report's inertia numbers, errors included: what its printed matrices were computed with.
+    """Parameters of the report with the erroneous inertias with which its printed matrices were computed.
 
-    Its tensors take 1/2 for 1/12 across a cylinder's axis and are shifted to the joint frame although
-    they are used with the Jacobian of the centre of mass, so that m h²/4 counts twice; the moment that
-    it uses for the slide is the one about the slide's long axis.
+    Its tensors have 1/2 instead of 1/12 across a cylinder's axis. They are shifted to the joint frame
+    although they are used with the Jacobian of the centre of mass, so that m h²/4 counts twice. The moment
+    used for the slide is the one about the slide's long axis.
     """
     nominal = RobotParameters()
     geometry, (m1, _, m3) = nominal.geometry, nominal.link_mass

@@ -1,4 +1,4 @@
-"""The arm as URDF, for other robotics tools; generated from the same parameters as everything else."""
+"""The arm as URDF for other robotics tools, generated from the same parameters as the other models."""
 
 import math
 import xml.etree.ElementTree as ElementTree
@@ -7,7 +7,7 @@ from prp_gym.robot.parameters import NOMINAL, RobotParameters, Vector3
 
 _JOINT_TYPES = ("revolute", "prismatic", "revolute")
 _AXES = ("0 0 1", "0 -1 0", "-1 0 0")
-_VELOCITY_LIMIT = "1000"  # required by the format; the arm itself declares none [rad/s, m/s]
+_VELOCITY_LIMIT = "1000"  # required by the format; the parameters declare no velocity limit [rad/s, m/s]
 _ALONG_X = f"0 {math.pi / 2!r} 0"
 _ALONG_Y = f"{math.pi / 2!r} 0 0"
 
@@ -42,10 +42,10 @@ def to_urdf(parameters: RobotParameters = NOMINAL) -> str:
     masses [kg], inertias about the centres of mass [kg m^2].
 
     Args:
-        parameters: the arm.
+        parameters: Parameters of the arm.
 
     Returns:
-        The document's text.
+        Text of the document.
     """
     robot = ElementTree.Element("robot", name="prp")
     ElementTree.SubElement(robot, "link", name="base")

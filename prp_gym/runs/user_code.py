@@ -165,7 +165,7 @@ def _files_of(top: str, file: str) -> set[str]:
 
 def _load_file(path: Path, sha256: str) -> ModuleType:
     """A file as a module, executed once in a process."""
-    name = f"user_file_{sha256[:16]}_{path.stem}"
+    name = f"user_file_{sha256[:16]}_{_sha256(bytes(path))[:16]}"
     if name in sys.modules:
         return sys.modules[name]
     content = _read(path)

@@ -14,7 +14,7 @@ from prp_gym.envs import PRPEnv
 from prp_gym.errors import InvalidValueError, MissingFieldError, UnknownNameError
 from prp_gym.evaluation.batch import record_episodes
 from prp_gym.evaluation.rollout import Rollout
-from tests.support.mode_episodes import KINDS, PAIRS, law_of, made, random_actions
+from tests.support.mode_episodes import COVERING, KINDS, controller_of, made, random_actions
 from tests.support.vector_episodes import assert_same
 
 
@@ -48,14 +48,14 @@ def assert_same_episodes(found: Sequence[Rollout], expected: Sequence[Rollout]) 
         assert_same(dict(ours.info), dict(theirs.info), "info")
 
 
-@pytest.mark.parametrize(("environment_id", "mode"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "mode"), COVERING)
 def test_without_action_a_mode_is_its_law_at_500_hz(environment_id: str, mode: str) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "duration": 0.04}
     env, plain = (
         made(environment_id, mode, control_frequency=50, **keywords),
         made(environment_id, **keywords),
     )
-    expected = record_episodes(make_baseline(law_of(mode), plain), plain, [0, 1])
+    expected = record_episodes(make_baseline(controller_of(mode), plain), plain, [0, 1])
     assert len(expected[0].reward) == 20
     assert_same_episodes(record_episodes(idle(env), env, [0, 1]), expected)
 
@@ -68,7 +68,7 @@ def test_evaluation_of_a_mode_is_that_of_its_law_whatever_the_rate_of_actions(
     keywords: dict[str, Any] = {"scenario": "realistic", "duration": 0.2}
     plain = gymnasium.make(environment_id, **keywords)
     env = gymnasium.make(environment_id, action_mode=mode, control_frequency=rate, **keywords)
-    expected = prp_gym.evaluate(make_baseline(law_of(mode), plain), plain, episodes=2, seed=4)
+    expected = prp_gym.evaluate(make_baseline(controller_of(mode), plain), plain, episodes=2, seed=4)
     found = prp_gym.evaluate(Still(env.action_space.shape[0]), env, episodes=2, seed=4)  # type: ignore[index]
     assert_same_episodes(found.rollouts, expected.rollouts)
     assert set(found.metrics) == set(expected.metrics)
@@ -86,8 +86,8 @@ def test_environment_has_the_modes_that_its_observations_serve_and_no_others(env
         if mode in possible:
             assert made(environment_id, mode).action_mode == mode
         else:
-            assert BASELINES[law_of(mode)].missing_fields(layout)
-            with pytest.raises(MissingFieldError, match=law_of(mode)):
+            assert BASELINES[controller_of(mode)].missing_fields(layout)
+            with pytest.raises(MissingFieldError, match=controller_of(mode)):
                 made(environment_id, mode)
 
 
@@ -143,11 +143,13 @@ def test_law_is_refused_where_actions_are_no_torques() -> None:
         make_baseline("impedance", gymnasium.make_vec("PRP-Impedance-v0", 2, action_mode="impedance"))
 
 
-@pytest.mark.parametrize(("environment_id", "mode"), [pair for pair in PAIRS if "residual" in pair[1]])
+@pytest.mark.parametrize(
+    ("environment_id", "mode"), [each for each in COVERING if each[1].startswith("residual")]
+)
 def test_residual_adds_its_share_of_the_limits(environment_id: str, mode: str) -> None:
     env, plain = made(environment_id, mode), made(environment_id)
     observation, _ = env.reset(seed=3)
-    controller, _ = make_baseline(law_of(mode), plain).predict(observation)
+    controller, _ = make_baseline(controller_of(mode), plain).predict(observation)
     action = random_actions(env, 1)[0]
     env.step(action)
     wanted = controller.astype(np.float64) + RESIDUAL_SHARE * action.astype(np.float64)

@@ -23,7 +23,6 @@ from prp_gym.baselines import (
     Settings,
     StaticBaseline,
     Vector,
-    list_baselines,
     make_baseline,
 )
 from prp_gym.baselines.base.force_loop import ForceLoop
@@ -33,6 +32,7 @@ from prp_gym.evaluation import evaluate
 from prp_gym.robot import PRPArm
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
+from tests.support.controller_episodes import COMBINATIONS, COVERING, ONE_EACH, fields_read
 
 Array = NDArray[np.float64]
 Env = gymnasium.Env[Any, Any]
@@ -46,19 +46,9 @@ def make(environment_id: str, **options: Any) -> Env:
     return gymnasium.make(environment_id, **{"duration": 0.1, **options})
 
 
-def layout_of(environment_id: str) -> ObservationLayout:
-    env = make(environment_id)
-    layout: ObservationLayout = env.get_wrapper_attr("observation_layout")
-    env.close()
-    return layout
-
-
-PAIRS = [(name, controller) for name in prp_gym.list_envs() for controller in list_baselines(layout_of(name))]
-
-
-@pytest.fixture(params=PAIRS, ids="-".join)
+@pytest.fixture(params=COVERING, ids="-".join)
 def pair(request: pytest.FixtureRequest) -> Iterator[tuple[Env, Baseline[Any]]]:
-    """Every environment with every law that can run on it."""
+    """Every law on every kind of environment that it distinguishes."""
     environment_id, controller = request.param
     env = make(environment_id)
     yield env, make_baseline(controller, env)
@@ -105,8 +95,8 @@ class Hold(StaticBaseline[HoldSettings]):
 
 
 def test_every_environment_has_a_law_and_every_law_an_environment() -> None:
-    assert {name for name, _ in PAIRS} == set(prp_gym.list_envs())
-    assert {controller for _, controller in PAIRS} == set(BASELINES)
+    assert {name for name, _ in COMBINATIONS} == set(prp_gym.list_envs())
+    assert {controller for _, controller in COMBINATIONS} == set(BASELINES)
 
 
 def test_interface_holds_what_a_law_may_know(env: Env) -> None:
@@ -159,31 +149,6 @@ def test_missing_field_is_named_before_anything_runs(env: Env) -> None:
             assert caught.value.controller == controller.__name__
             assert absent in caught.value.missing
             assert caught.value.available == reduced.names
-
-
-class Watched(dict[str, Array]):
-    """Fields by name that remember which of them were asked for."""
-
-    def __init__(self, fields: Mapping[str, Array]) -> None:
-        super().__init__(fields)
-        self.target_impedance: set[str] = set()
-
-    def __getitem__(self, name: str) -> Array:
-        self.target_impedance.add(name)
-        return super().__getitem__(name)
-
-    def get(self, name: str, default: Any = None) -> Any:
-        self.target_impedance.add(name)
-        return super().get(name, default)
-
-
-def fields_read(policy: Baseline[Any], observation: Array) -> set[str]:
-    """The fields of an observation that a law asks for, in its first two steps."""
-    watched = Watched(policy.interface.layout.split(observation))
-    state = policy.initial_state(watched)
-    for _ in range(2):
-        _, state = policy.control(watched, state)
-    return watched.target_impedance
 
 
 def test_fields_that_a_law_reads_are_those_it_declares_a_reference_and_a_force_where_one_is_desired(
@@ -298,7 +263,7 @@ def test_policy_survives_the_way_between_processes(pair: tuple[Env, Baseline[Any
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-@pytest.mark.parametrize(("environment_id", "controller"), PAIRS, ids=map("-".join, PAIRS))
+@pytest.mark.parametrize(("environment_id", "controller"), ONE_EACH, ids=map("-".join, ONE_EACH))
 def test_evaluator_of_stable_baselines_finds_the_same_returns(
     environment_id: str, controller: str, scenario: str
 ) -> None:

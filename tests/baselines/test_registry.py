@@ -16,8 +16,10 @@ from prp_gym.baselines.base.references import REFERENCE_FIELDS
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot import Link, LinkParameters, RobotParameters
 from prp_gym.tasks.fields import MEASURED_FIELDS, ObservationLayout
+from tests.support.controller_episodes import ONE_EACH, environment
 
 Env = gymnasium.Env[Any, Any]
+each = pytest.mark.parametrize(("environment_id", "controller"), ONE_EACH, ids=map("-".join, ONE_EACH))
 
 
 def setting_names(controller: str) -> list[str]:
@@ -79,9 +81,7 @@ def test_no_law_runs_without_a_reference() -> None:
 def test_every_required_field_is_one_that_an_environment_observes(controller: str) -> None:
     known: set[str] = set()
     for environment_id in list_envs():
-        made = gymnasium.make(environment_id)
-        known |= set(made.get_wrapper_attr("observation_layout").names)
-        made.close()
+        known |= set(environment(environment_id).get_wrapper_attr("observation_layout").names)
     assert set(BASELINES[controller].policy.measured_fields) <= known
 
 
@@ -112,16 +112,17 @@ def test_override_replaces_one_setting_and_leaves_the_others(env: Env) -> None:
             assert np.array_equal(getattr(changed, name), getattr(plain, name))
 
 
-@pytest.mark.parametrize("controller", BASELINES)
-def test_misspelt_law_gets_the_nearest_name_and_all_valid_ones(controller: str, env: Env) -> None:
+@each
+def test_misspelt_law_gets_the_nearest_name_and_all_valid_ones(environment_id: str, controller: str) -> None:
     with pytest.raises(UnknownNameError, match=f"Did you mean '{controller}'") as caught:
-        make_baseline(controller[:-1], env)
+        make_baseline(controller[:-1], environment(environment_id))
     assert caught.value.kind == "baseline"
     assert caught.value.valid == tuple(sorted(BASELINES))
 
 
-@pytest.mark.parametrize("controller", BASELINES)
-def test_misspelt_gain_set_or_setting_gets_the_nearest_name(controller: str, env: Env) -> None:
+@each
+def test_misspelt_gain_set_or_setting_gets_the_nearest_name(environment_id: str, controller: str) -> None:
+    env = environment(environment_id)
     with pytest.raises(UnknownNameError, match="Did you mean 'report'") as caught:
         make_baseline(controller, env, gains="repotr")
     assert caught.value.valid == tuple(sorted(gain_sets(controller)))
@@ -131,18 +132,18 @@ def test_misspelt_gain_set_or_setting_gets_the_nearest_name(controller: str, env
     assert caught.value.kind == f"setting of controller {controller!r}"
 
 
-@pytest.mark.parametrize("controller", BASELINES)
-def test_source_of_a_gain_set_is_no_setting(controller: str, env: Env) -> None:
+@each
+def test_source_of_a_gain_set_is_no_setting(environment_id: str, controller: str) -> None:
     with pytest.raises(UnknownNameError, match=r"unknown setting of controller .* 'source'"):
-        make_baseline(controller, env, source="mine")
+        make_baseline(controller, environment(environment_id), source="mine")
 
 
-@pytest.mark.parametrize("controller", BASELINES)
+@each
 @pytest.mark.parametrize("value", [-1.0, float("nan"), [[1.0]]])
-def test_setting_that_is_not_allowed_is_refused(controller: str, env: Env, value: object) -> None:
+def test_setting_that_is_not_allowed_is_refused(environment_id: str, controller: str, value: object) -> None:
     name = next(iter(BASELINES[controller].settings_class.vectors))
     with pytest.raises(InvalidValueError, match=f"{name} is"):
-        make_baseline(controller, env, "tuned", **{name: value})
+        make_baseline(controller, environment(environment_id), "tuned", **{name: value})
 
 
 @pytest.mark.parametrize("controller", BASELINES)

@@ -43,14 +43,14 @@ def test_bare_loop_does_what_the_environment_does(
     chunk = single.bare_loop(env)
     monkeypatch.setattr(mujoco, "mj_step", recorded)
     assert chunk() == len(bare)
-    played, actions = [], single.random_actions(1, 3)[:, 0]
+    positions, actions = [], single.random_actions(1, 3)[:, 0]
     for index, action in enumerate(actions):
         if index % _HORIZON == 0:
             env.reset(seed=index // _HORIZON)
         env.step(action)
-        played.append(inner.physics.joint_position[0].copy())
+        positions.append(inner.physics.joint_position[0].copy())
     assert len(actions) > 2 * _HORIZON  # it has started anew
-    np.testing.assert_array_equal(bare, played)
+    np.testing.assert_array_equal(bare, positions)
 
 
 @pytest.mark.parametrize("env", [FREE], indirect=True)
@@ -127,7 +127,7 @@ def test_episodes_are_spread_over_their_length_before_they_are_timed(kind: str) 
     ("kind", "count", "spread"),
     [("native", 8, []), ("native", 9, [9]), ("sync", 4, [4]), ("dummy", 4, [4]), ("adapter", 4, [])],
 )
-def test_contenders_are_spread_unless_they_play_whole_episodes(
+def test_contenders_are_spread_unless_they_run_whole_episodes(
     kind: str, count: int, spread: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found: list[int] = []
@@ -144,7 +144,7 @@ def test_call_that_begins_an_episode_anew_is_no_step() -> None:
 
 
 @pytest.mark.parametrize("kind", ["native", "adapter"])
-def test_whole_episodes_are_played_to_their_end(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whole_episodes_are_run_to_their_end(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     ends: list[bool] = []
     make_pack = vector.make_pack
 

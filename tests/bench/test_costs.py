@@ -40,7 +40,7 @@ def test_time_is_that_of_the_part_that_takes_it(
 
 
 def test_steps_are_split_where_goals_are_about() -> None:
-    found = {tuple(vars(place).values()) for place in costs.conditions(FULL)}
+    found = {tuple(vars(condition).values()) for condition in costs.conditions(FULL)}
     for frequency in single.FREQUENCIES:
         assert (FREE, frequency, 1, 1) in found
         sizes = {*goals.GROWTH_SIZES, *goals.BARE_SIZES, goals.SYNC_SIZE}
@@ -48,7 +48,7 @@ def test_steps_are_split_where_goals_are_about() -> None:
 
 
 def test_memory_is_measured_at_every_size_in_free_space(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "_in_process", lambda place: 1000 + 10 * (place[1] - 1))
+    monkeypatch.setattr(memory, "_in_process", lambda condition: 1000 + 10 * (condition[1] - 1))
     rows = memory.measure(FULL)
     assert [row["num_envs"] for row in rows if row["environment"] == FREE] == [8, 64, 256, 1024, 4096]
     assert [row["num_envs"] for row in rows if row["environment"] == CONTACT] == [64, 1024]

@@ -1,4 +1,4 @@
-"""Goals, tables, page and picture of the benchmark, from results that are made up."""
+"""Goals, tables, page and figure of the benchmark, from synthetic results."""
 
 import io
 from pathlib import Path
@@ -12,7 +12,7 @@ from bench.rounds import CONTACT, FREE, REACHER, Label, find, ratios
 from bench.sheets import Sheet, sheets
 from prp_gym.errors import UnknownNameError
 from prp_gym.physics import batch_simulation
-from tests.support.made_up_bench import make_results, row
+from tests.support.synthetic_bench import make_results, row
 
 
 def fast(label: Label) -> float:
@@ -98,12 +98,12 @@ def _limit(text: str, what: str) -> str:
     return next(line for line in text.splitlines() if line.startswith(f"**Missed: {what}"))
 
 
-def test_limits_are_explained_by_the_place_that_each_goal_is_about() -> None:
+def test_limits_are_explained_by_the_condition_that_each_goal_is_about() -> None:
     text = report.page(make_results(slow, evaluate_seconds=200.0))
     single = _limit(text, "single environment at 500 Hz")
     assert "a step takes 13.8 µs. Its two substeps of physics take 2.3 µs" in single
     assert "observation take 4.6 µs" in single
-    assert "on arrays of 64 rows they take 130.6 µs an environment" in single
+    assert "on arrays of 64 rows they take 130.6 µs per environment" in single
     assert "the physics takes 1.4 µs" in _limit(text, "single environment at 50 Hz")
     many = _limit(text, "vector environment, N = 256")
     assert "the physics on all cores takes 256.1 µs, the task 512.2 µs and the wrapper 768.3 µs" in many
@@ -180,7 +180,7 @@ def test_every_row_of_a_table_has_a_cell_a_column() -> None:
     assert {len(row) - len(sheet.headers) for sheet in found for row in sheet.rows} == {0}
     assert (
         len(found) == 1 + 1 + 5 + 1 + 1 + 2 + 1 + 1
-    )  # goals, single, places, peers, training, costs, memory, shares
+    )  # goals, single, conditions, peers, training, costs, memory, shares
 
 
 def test_vector_tables_show_the_clock_as_it_is_shipped_first() -> None:
@@ -195,7 +195,7 @@ def test_vector_tables_show_the_clock_as_it_is_shipped_first() -> None:
     assert "900 (1,800)" in reacher.rows[0]
 
 
-def test_shares_are_of_the_bare_loop_of_the_same_place() -> None:
+def test_shares_are_of_the_bare_loop_of_the_same_condition() -> None:
     def rate(label: Label) -> float:
         return {"bare": 100.0, "bare_all_cores": 150.0, "single": 50.0}.get(label.kind, 120.0)
 
@@ -209,7 +209,7 @@ def test_shares_are_of_the_bare_loop_of_the_same_place() -> None:
     ]
 
 
-def test_picture_is_drawn_and_written_beside_the_page(tmp_path: Path) -> None:
+def test_figure_is_drawn_and_written_beside_the_page(tmp_path: Path) -> None:
     results = make_results(fast)
     report.write_page(results, tmp_path)
     assert (tmp_path / "performance.md").read_text(encoding="utf-8") == report.page(results)

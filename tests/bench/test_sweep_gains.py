@@ -34,7 +34,7 @@ def test_sweep_orders_candidates_and_drops_those_that_chatter(monkeypatch: pytes
     monkeypatch.setattr(sweep_gains, "EPISODES", 2)
     monkeypatch.setattr(sweep_gains, "SCENARIOS", ("realistic",))
     results = sweep_gains.sweep("joint_inverse_dynamics", "JointTracking", 500.0)
-    # at 400 rad/s the derivative gain times the control period is 1.6: with a late torque it oscillates
+    # at 400 rad/s the derivative gain times the control period is 1.6: with an actuation delay it oscillates
     assert {frequency for _, frequency, _ in results} == {8.0, 20.0}
     assert [score for score, *_ in results] == sorted((score for score, *_ in results), reverse=True)
 
@@ -46,23 +46,25 @@ def test_force_loop_is_a_twelfth_as_fast_as_the_position_loop_inside() -> None:
         assert sweep_gains.RATES[controller] == (500.0,)
 
 
-def test_law_that_has_nothing_to_sweep_is_refused_before_any_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_controller_that_has_nothing_to_sweep_is_refused_before_any_sweep(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     def never(*arguments: object) -> None:
         raise AssertionError("swept")
 
     monkeypatch.setattr(sweep_gains, "sweep", never)
     with pytest.raises(UnknownNameError) as caught:
         sweep_gains.main(["admittance", "impedance"])
-    assert "law to sweep 'impedance'" in str(caught.value)
-    assert caught.value.valid == tuple(sorted(sweep_gains.PLACES))
+    assert "controller to sweep 'impedance'" in str(caught.value)
+    assert caught.value.valid == tuple(sorted(sweep_gains.TASKS))
 
 
-def test_every_swept_law_has_candidates_and_gains_to_start_from() -> None:
-    assert set(sweep_gains.CANDIDATES) == set(sweep_gains.PLACES)
-    for controller, conditions in sweep_gains.PLACES.items():
-        for place in conditions:
-            env = gymnasium.make(f"PRP-{place}-v0")
+def test_every_swept_controller_has_candidates_and_gains_to_start_from() -> None:
+    assert set(sweep_gains.CANDIDATES) == set(sweep_gains.TASKS)
+    for controller, conditions in sweep_gains.TASKS.items():
+        for task in conditions:
+            env = gymnasium.make(f"PRP-{task}-v0")
             settings: dict[str, Any] = dict(
-                sweep_gains.CANDIDATES[controller](10.0, 0.7, sweep_gains.inertia_of(controller, place))
+                sweep_gains.CANDIDATES[controller](10.0, 0.7, sweep_gains.inertia_of(controller, task))
             )
             assert type(prp_gym.make_baseline(controller, env, **settings)) is BASELINES[controller].policy

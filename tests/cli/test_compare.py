@@ -26,7 +26,7 @@ from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Job, JobResult, run_job
 from prp_gym.tuning import TunedController, Validation
 from prp_gym.tuning import tuned_controller as tuned_law
-from tests.support.made_up_agents_to_compare import save
+from tests.support.synthetic_agents_to_compare import save
 
 RUNNER = CliRunner()
 ID = "PRP-JointTracking-v0"

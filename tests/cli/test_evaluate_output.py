@@ -118,7 +118,7 @@ def test_evaluate_prints_whole_tables_best_law_first(tmp_path: Path) -> None:
 
 
 def test_evaluate_takes_an_option_several_times(short_episodes: None, tmp_path: Path) -> None:
-    options = [item for controller in reversed(BASELINES) for item in ("--baseline", controller)]
+    options = [item for controller in reversed(list(BASELINES)) for item in ("--baseline", controller)]
     options += [item for environment_id in list_envs() for item in ("--env", environment_id)]
     run_evaluate(tmp_path, *options, "--scenario", "report", "--episodes", "1")
     pairs = pairs_of(results_of(tmp_path))

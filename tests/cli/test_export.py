@@ -14,7 +14,7 @@ from prp_gym.cli.main import main
 from tests.agents.policy.test_agent_file_code import Touch
 from tests.agents.training.test_export import SAME
 from tests.cli.test_main import refusal
-from tests.support.made_up_agents import ID, KEYWORDS, Trained, observations, trained
+from tests.support.synthetic_agents import ID, KEYWORDS, Trained, observations, trained
 
 OPTIONS = ("--env", ID, "--scenario", "realistic", "--control-frequency", "50")
 

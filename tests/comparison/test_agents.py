@@ -10,7 +10,7 @@ from prp_gym.agents.policy.agent_card import CurvePoint
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.comparison.agents import digest, find_agents, learning_history
 from prp_gym.errors import InvalidValueError
-from tests.support.made_up_agents_to_compare import save
+from tests.support.synthetic_agents_to_compare import save
 
 ID, OTHER = "PRP-JointTracking-v0", "PRP-Adaptive-v0"
 

@@ -12,7 +12,7 @@ from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import ShapeError
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.tasks.spec import TaskError
-from tests.support.made_up_comparison import agents, record
+from tests.support.synthetic_comparison import agents, record
 
 ROUNDING = 1e-12  # a few additions of small numbers
 JOINT_ERROR = TaskError({"joint_mean_error": (0.02, 0.01, 0.042)}, "made up as that of joint tracking is")

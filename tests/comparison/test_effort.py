@@ -6,7 +6,7 @@ import pytest
 from prp_gym.comparison.effort import NEVER, first_reach, learning_efforts
 from prp_gym.comparison.learning_plots import common_curve
 from prp_gym.comparison.values import History, group_conditions
-from tests.support.made_up_comparison import agents, learning, record
+from tests.support.synthetic_comparison import agents, learning, record
 
 CONTROLLER = record("joint_pd", [0.8] * 4)
 

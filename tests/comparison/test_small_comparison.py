@@ -14,7 +14,7 @@ from prp_gym.comparison.learning_plots import draw_learning
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
 from prp_gym.comparison.table import aggregate_table, audit_table, condition_table, pairwise_table
-from tests.support.made_up_comparison import agents, learning, record
+from tests.support.synthetic_comparison import agents, learning, record
 
 UNKNOWN = "PRP-Unknown-v0"
 RECORDS: dict[str, list[dict[str, Any]]] = {

@@ -16,7 +16,7 @@ from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import bootstrap_crossed, bootstrap_interquartile_mean, bootstrap_tasks
 from prp_gym.evaluation.statistics import Estimate
-from tests.support.made_up_comparison import Array, agents, record
+from tests.support.synthetic_comparison import Array, agents, record
 
 EPISODES = np.linspace(0.3, 0.9, 20)  # hard and easy ones
 

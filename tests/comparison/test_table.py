@@ -17,7 +17,7 @@ from prp_gym.comparison.table import (
     pairwise_table,
     spread_table,
 )
-from tests.support.made_up_comparison import agents, learning, record
+from tests.support.synthetic_comparison import agents, learning, record
 
 WIDTH = 120
 LONG = "operational_inverse_dynamics"

@@ -8,12 +8,12 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 from stable_baselines3.common.env_checker import check_env as check_env_for_sb3
 
-from tests.support.mode_episodes import KINDS, PAIRS, made
+from tests.support.mode_episodes import COVERING, KINDS, made
 
 SHORT: dict[str, Any] = {"control_frequency": 50, "duration": 0.04}
 
 
-@pytest.mark.parametrize(("environment_id", "mode"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "mode"), COVERING)
 def test_checkers_are_satisfied(environment_id: str, mode: str) -> None:
     check_env(made(environment_id, mode, **SHORT), skip_render_check=True)
     check_env_for_sb3(made(environment_id, mode, **SHORT), warn=True, skip_render_check=True)

@@ -1,4 +1,4 @@
-"""Every law on every environment where it can run: at once as one by one, restarts, SB3's evaluator."""
+"""Every controller on every kind of environment: at once as one by one, restarts, SB3's evaluator."""
 
 from functools import partial
 from typing import Any
@@ -11,13 +11,13 @@ from stable_baselines3.common.vec_env import DummyVecEnv
 
 from prp_gym.baselines import make_baseline
 from prp_gym.evaluation import evaluate
-from tests.support.controller_episodes import PAIRS, Array, make, observed_episodes
+from tests.support.controller_episodes import COVERING, Array, make, observed_episodes
 
 EPISODES, STEPS = 4, 20
 # products of matrices and least squares may round differently one by one: some dozen operations of 1e-16
 ROUNDING = 1e-12
 
-everywhere = pytest.mark.parametrize(("environment_id", "controller"), PAIRS, ids=map("-".join, PAIRS))
+everywhere = pytest.mark.parametrize(("environment_id", "controller"), COVERING, ids=map("-".join, COVERING))
 
 
 def assert_near(found: Array, expected: Array, scale: Array, rounding: float = ROUNDING) -> None:

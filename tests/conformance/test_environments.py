@@ -2,7 +2,7 @@
 
 import copy
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
@@ -16,15 +16,21 @@ from prp_gym.envs import PRPEnv
 from prp_gym.robot import NOMINAL
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
+from tests.support.covering import by_turns
 
 Outcome = tuple[Array, float, bool, bool, dict[str, Any]]
 RATES = (50, 100, 500, 1000)
-
+SOME = 1.5  # [s]: past the blocks of noise and of reference
 
 COPIES: dict[str, Callable[[PRPEnv], PRPEnv]] = {
     "pickle": lambda env: pickle.loads(pickle.dumps(env)),
     "deepcopy": copy.deepcopy,
 }
+
+
+def every(choices: Sequence[Any]) -> list[tuple[str, str, Any]]:
+    """Every environment in every scenario, with one of the choices."""
+    return by_turns(prp_gym.list_envs(), SCENARIOS, choices)
 
 
 @pytest.fixture(params=prp_gym.list_envs())
@@ -99,10 +105,8 @@ def test_gymnasiums_checker_is_satisfied(environment_id: str, scenario: str) -> 
     check_env(made(environment_id, scenario), skip_render_check=True)
 
 
-def test_gymnasiums_checker_is_satisfied_with_frames(
-    drawing: None, environment_id: str, scenario: str
-) -> None:
-    env = made(environment_id, scenario, render_mode="rgb_array", width=64, height=48)
+def test_gymnasiums_checker_is_satisfied_with_frames(drawing: None, environment_id: str) -> None:
+    env = made(environment_id, "realistic", render_mode="rgb_array", width=64, height=48)
     check_env(env)
     frame = env.render()
     assert frame is not None
@@ -164,7 +168,7 @@ def test_reset_discards_the_whole_state(environment_id: str, scenario: str) -> N
 def test_same_seed_gives_the_same_episode_to_the_last_bit(environment_id: str, scenario: str) -> None:
     episodes = []
     for _ in range(2):
-        env = made(environment_id, scenario)
+        env = made(environment_id, scenario, duration=SOME)
         first, info = env.reset(seed=42)
         steps = run(env, random_actions(env, env.config.horizon))
         assert steps[-1][2] or steps[-1][3]
@@ -187,7 +191,7 @@ def test_next_reset_without_a_seed_draws_anew_but_reproducibly(environment_id: s
     assert repeats == env.task.scenario.deterministic
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(("environment_id", "scenario", "rate"), every(RATES))
 def test_observation_stays_in_its_space_whatever_the_actions(
     environment_id: str, scenario: str, rate: int
 ) -> None:
@@ -225,7 +229,7 @@ def test_info_is_what_was_declared(environment_id: str, scenario: str) -> None:
     assert all(field.unit and field.description for field in env.info_fields)
 
 
-@pytest.mark.parametrize("rate", RATES)
+@pytest.mark.parametrize(("environment_id", "scenario", "rate"), every(RATES))
 def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scenario: str, rate: int) -> None:
     env = made(environment_id, scenario, control_frequency=rate, duration=0.3)
     for episode in range(2):
@@ -238,14 +242,14 @@ def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scena
 
 
 def test_return_lies_between_zero_and_the_duration(environment_id: str, scenario: str) -> None:
-    env = made(environment_id, scenario)
+    env = made(environment_id, scenario, duration=SOME)
     env.reset(seed=11)
     outcomes = run(env, random_actions(env, env.config.horizon))
     assert outcomes[-1][2] or outcomes[-1][3]
     assert 0.0 < sum(outcome[1] for outcome in outcomes) <= env.duration
 
 
-@pytest.mark.parametrize("how", list(COPIES))
+@pytest.mark.parametrize(("environment_id", "scenario", "how"), every(list(COPIES)))
 def test_copy_made_in_an_episode_goes_on_as_the_original(
     environment_id: str, scenario: str, how: str
 ) -> None:

@@ -7,7 +7,7 @@ from gymnasium.spaces import Box
 from prp_gym.envs.action_mode import ActionField, torque_field
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot import NOMINAL
-from tests.support.mode_episodes import PAIRS, made
+from tests.support.mode_episodes import COVERING, made
 
 OFFSET = ActionField("offset", ("m", "rad"), "world", (0.05, 0.3), "an offset")
 FACTOR = ActionField("factor", ("1", "1"), "world", (10.0, 4.0), "a factor", factor=True)
@@ -46,7 +46,7 @@ def test_torques_are_bounded_by_the_actuators() -> None:
     assert torque_field(np.array([30.0])).units == ("N·m",)
 
 
-@pytest.mark.parametrize(("environment_id", "mode"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "mode"), COVERING)
 def test_action_space_has_a_component_for_every_unit_of_the_fields(environment_id: str, mode: str) -> None:
     env = made(environment_id, mode)
     space = env.action_space

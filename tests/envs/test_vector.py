@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from prp_gym.tasks import SCENARIOS
+from tests.support.covering import by_turns
 from tests.support.vector_episodes import IDS, MODES, SHORT, actions_for, assert_same, one_by_one, together
 
 N = 5
 
 
-@pytest.mark.parametrize("scenario", ["report", "randomized", "realistic"])
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("environment_id", IDS)
+@pytest.mark.parametrize(("environment_id", "mode", "scenario"), by_turns(IDS, MODES, SCENARIOS))
 def test_steps_and_restarts_are_those_of_single_environments(
     environment_id: str, mode: str, scenario: str
 ) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.robot.arrays import Array
-from tests.support.controller_episodes import PAIRS
+from tests.support.controller_episodes import COVERING
 from tests.support.vector_episodes import actions_for, single, together
 
 N = 3
@@ -17,7 +17,7 @@ FORCE, CONTROLLER = "PRP-Force-v0", "force_inner_position"
 ROUNDING = 1e-6
 
 
-@pytest.mark.parametrize(("environment_id", "controller"), PAIRS, ids=map("-".join, PAIRS))
+@pytest.mark.parametrize(("environment_id", "controller"), COVERING, ids=map("-".join, COVERING))
 def test_controller_of_many_environments_acts_as_those_of_single_ones(
     environment_id: str, controller: str
 ) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from prp_gym.errors import EpisodeError
+from tests.support.covering import by_turns
 from tests.support.vector_episodes import (
     IDS,
     MODES,
@@ -58,12 +59,11 @@ def run(env: Any, values: Any, mode: str) -> list[list[Outcome]]:
     return history
 
 
-@pytest.mark.parametrize(("rate", "violence"), VIOLENCE)
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("environment_id", IDS)
+@pytest.mark.parametrize(("environment_id", "mode", "rate_and_violence"), by_turns(IDS, MODES, VIOLENCE))
 def test_neighbours_of_an_environment_that_diverges_go_on_to_the_bit(
-    environment_id: str, mode: str, rate: int, violence: float
+    environment_id: str, mode: str, rate_and_violence: tuple[int, float]
 ) -> None:
+    rate, violence = rate_and_violence
     env, within_limits = (together(environment_id, mode, N, **keywords(rate)) for _ in range(2))
     values = actions(env, violence)
     found, expected = run(env, values, mode), run(within_limits, actions(within_limits, GENTLE), mode)

@@ -10,6 +10,7 @@ from prp_gym.errors import InvalidValueError, JointLimitError, NonFiniteError, S
 from prp_gym.physics.rendering import Ball
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
+from tests.support.covering import covering
 from tests.support.vector_episodes import IDS, SHORT, actions_for, assert_same, bits, single, together
 
 N = 3
@@ -105,16 +106,20 @@ def check_taken(env: PRPVectorEnv, index: int, option: str, value: Array, observ
         np.testing.assert_allclose(ball.center, ARM.forward_kinematics(value)[:3], atol=1e-14)
 
 
-PAIRS = [
-    (name, option)
-    for name in ARM_IDS
-    for option in single(name).task.reset_options
-    if name in CONTACT_IDS or option in ("joint_position", "goal")
-]
+COVERING = covering(
+    [
+        (name, option)
+        for name in ARM_IDS
+        for option in single(name).task.reset_options
+        if name in CONTACT_IDS or option in ("joint_position", "goal")
+    ],
+    lambda each: (each[1], each[0] in CONTACT_IDS),
+)
+"""Every reset option with and without contact, and every environment of the arm."""
 
 
 @pytest.mark.parametrize("shared", [False, True])
-@pytest.mark.parametrize(("environment_id", "option"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "option"), COVERING)
 def test_reset_options_are_those_of_single_environments(
     environment_id: str, option: str, shared: bool
 ) -> None:

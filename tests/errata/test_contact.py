@@ -1,4 +1,4 @@
-"""Errata of the report in its operational-space references, contact laws and environment."""
+"""Errata of the report in its operational-space references, contact control and environment."""
 
 import math
 from itertools import pairwise
@@ -35,13 +35,13 @@ def wall_force(pose: Array, stiffness: float) -> Array:
 
 
 def impedance_residual(time: float, state: Array, stiffness: float, controller: str) -> tuple[Array, Array]:
-    """q̈ under an impedance law, and M_d x̃¨ + K_D x̃˙ + K_P x̃ - h_e, which it should make zero."""
+    """q̈ under an impedance control law, and M_d x̃¨ + K_D x̃˙ + K_P x̃ - h_e, which it should make zero."""
     q, v = state
     x_d, v_d, a_d = reference(time)
     J, drift = ARM.analytical_jacobian(q), ARM.analytical_jacobian_derivative(q, v) @ v
     force = wall_force(ARM.forward_kinematics(q), stiffness)
     error, rate = x_d - ARM.forward_kinematics(q), v_d - J @ v
-    # where the desired frame does not turn, b is the desired velocity; printed without its dot, with a minus
+    # where the desired frame does not rotate, b is the desired velocity; printed without dot, with a minus
     forward = {"printed": -v_d, "without": 0 * a_d, "right": a_d}[controller]
     pull = DESIRED_DAMPING * rate + DESIRED_STIFFNESS * error - force
     y = np.linalg.pinv(J) @ (forward + pull / DESIRED_MASS - drift)
@@ -64,7 +64,7 @@ def largest_residual(stiffness: float, controller: str) -> float:
 
 
 @pytest.mark.parametrize("stiffness", [1.0, 1000.0])
-def test_impedance_law_without_desired_acceleration_misses_its_own_model(stiffness: float) -> None:
+def test_impedance_control_without_desired_acceleration_misses_its_own_model(stiffness: float) -> None:
     without = largest_residual(stiffness, "without")
     # M_d,y times the quintic's largest acceleration, 10/√3 of 0.2 m in 1 s; sampled every 4 ms
     assert without == pytest.approx(0.5 * 0.2 * 10 / math.sqrt(3), rel=1e-3)
@@ -126,7 +126,7 @@ def test_report_environment_gives_energy_on_a_round_trip() -> None:
 
 
 @pytest.mark.parametrize(("stiffness", "pressed"), [(1.0, 0.0974), (50.0, 2.1526), (1000.0, 3.6422)])
-def test_printed_impedance_control_of_a_plant_that_feels_the_wall_presses_too_little(
+def test_printed_impedance_control_of_a_plant_in_contact_exerts_too_small_a_force(
     stiffness: float, pressed: float
 ) -> None:
     def push(slide: float, compensated: bool) -> float:
@@ -179,7 +179,7 @@ def test_reference_of_the_operational_inverse_dynamics_cannot_be_attained() -> N
     assert np.ptp(at_waypoints[:, 0]) > 0.5  # not constant, as the text has it
     np.testing.assert_allclose(misfit(at_waypoints), 0.0, rtol=0, atol=EXACT)
     halfway = (at_waypoints[1:] + at_waypoints[:-1]) / 2  # of the quintic, component by component
-    # the angles of the fourth segment are so that its middle is nearly right
+    # the angles of the fourth segment happen to make its middle nearly right
     np.testing.assert_allclose(misfit(halfway), [0.265, 0.061, 0.072, 0.001, 0.096], rtol=0, atol=5e-4)
     feasible = ARM.forward_kinematics((joints[1:] + joints[:-1]) / 2)
     np.testing.assert_allclose(misfit(feasible), 0.0, rtol=0, atol=EXACT)

@@ -29,9 +29,9 @@ def closed_loop(torque: Callable[[Array, Array], Array], start: Array, step: flo
     return runge_kutta(slope, np.stack([start, np.zeros(start.shape)]), step, count)
 
 
-def test_printed_pd_law_rests_at_four_fifths_of_the_goal_and_never_comes_to_rest() -> None:
+def test_printed_pd_control_is_centred_at_four_fifths_of_the_goal_and_never_comes_to_rest() -> None:
     def printed(q: Array, v: Array) -> Array:
-        """q̇_d = 0: the term K_D (q̇_d - q_d) is a constant push."""
+        """q̇_d = 0: the term K_D (q̇_d - q_d) is constant."""
         return ARM.gravity_vector(q) + K_P * (GOAL - q) + K_D * (0.0 - GOAL)
 
     def right(q: Array, v: Array) -> Array:
@@ -47,12 +47,12 @@ def test_printed_pd_law_rests_at_four_fifths_of_the_goal_and_never_comes_to_rest
         positions, velocities = np.moveaxis(closed_loop(controller, np.zeros(3), 1e-3, 1000), 1, 0)
         spring = 0.5 * K_P * ((positions - rest) ** 2).sum(axis=-1)
         energies.append(ARM.kinetic_energy(positions, velocities) + spring)
-    # no velocity in the law, no damping: energy swings for ever; the steps of 1 ms take 5e-5 of it
+    # no velocity in the control law, so no damping: the energy oscillates; the steps of 1 ms take 5e-5 of it
     np.testing.assert_allclose(energies[0], energies[0][0], rtol=1e-4)
     assert energies[1][-1] < 0.05 * energies[1][0]
 
 
-def test_printed_inverse_dynamics_law_swings_about_five_sixths_of_the_goal() -> None:
+def test_printed_inverse_dynamics_control_oscillates_about_five_sixths_of_the_goal() -> None:
     def printed(q: Array, v: Array) -> Array:
         y = K_D * (0.0 - q) + K_P * (GOAL - q)
         return (ARM.inertia_matrix(q) @ y[:, None])[:, 0] + ARM.bias_force(q, v)
@@ -103,7 +103,7 @@ def test_estimates_without_the_velocity_error_oscillate_as_in_the_figures() -> N
     np.testing.assert_allclose(states[:, 2:].min(axis=0), [0.4498, 0.1049, 1.8400], rtol=0, atol=1.5e-3)
     np.testing.assert_allclose(states[:, 2:].max(axis=0), [0.5295, 0.1736, 1.8627], rtol=0, atol=1.5e-3)
     early, late = (np.ptp(states[start : start + 2000, 2:], axis=0) for start in (2000, 8000))
-    assert (late > 0.97 * early).all()  # the swing of a period does not shrink
+    assert (late > 0.97 * early).all()  # the amplitude of a period does not decay
     error = np.sin(3.14 * 1e-3 * np.arange(10_001)) - states[:, 0]
     assert np.abs(error[8000:]).max() == pytest.approx(0.0544, abs=5e-5)
 
@@ -179,7 +179,7 @@ def test_regressor_with_measured_acceleration_is_unstable_where_the_inertia_is_o
 def test_steady_error_of_figure_7_is_that_of_a_gravity_with_the_wrong_sign() -> None:
     third = np.array([0.0, 0.0, 1.0])
     names = ("none", "current", "desired", "wrong sign")
-    of_q, of_goal = np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0, -1.0])  # g(q), g(q_d) in the law
+    of_q, of_goal = np.array([0.0, 1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0, -1.0])  # of g(q), g(q_d)
 
     def torque(q: Array, v: Array) -> Array:
         compensation = of_q[:, None] * ARM.gravity_vector(q) + of_goal[:, None] * ARM.gravity_vector(GOAL)
@@ -193,7 +193,7 @@ def test_steady_error_of_figure_7_is_that_of_a_gravity_with_the_wrong_sign() -> 
     np.testing.assert_allclose(error["none"], -0.01924 * third, rtol=0, atol=5e-6)
     np.testing.assert_allclose(error["wrong sign"], -0.03847 * third, rtol=0, atol=5e-6)
     assert error["wrong sign"][2] == pytest.approx(-2 * 0.962145 / K_P, abs=2e-5)  # cos q̃ for 1
-    # upside down, as run, the errors have the other sign: q_3 as read off figures 6 and 7, to a pixel of 0.01
+    # with reversed gravity, as run, the errors have the other sign: q_3 of figures 6, 7, to a pixel of 0.01
     assert math.pi + error["none"][2] == pytest.approx(3.115, abs=0.01)
     assert math.pi + error["wrong sign"][2] == pytest.approx(3.099, abs=0.01)
 

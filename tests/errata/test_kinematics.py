@@ -1,4 +1,4 @@
-"""Errata of the report in kinematics: what it prints is wrong, what the arm computes is right."""
+"""Errata of the report in kinematics: the printed formulas are wrong, those of the arm are right."""
 
 import xml.etree.ElementTree as ElementTree
 
@@ -54,7 +54,7 @@ def random_angles() -> Array:
     return np.random.default_rng(21).uniform(-3.0, 3.0, size=(COUNT, 3))
 
 
-def test_printed_last_transform_has_a_row_too_many() -> None:
+def test_printed_last_transform_has_one_row_too_many() -> None:
     tip = [L * S_1 + A_1 * C_1, -L * C_1 + A_1 * S_1, HEIGHT + A_3 * S_3]
     first, last = [-S_1 * S_3, -C_1, S_1 * C_3, tip[0]], [ZERO, ZERO, ZERO, ZERO + 1]
     stray, second = [S_1 * S_3, -S_1, -C_1 * C_3, tip[1]], [C_1 * S_3, -S_1, -C_1 * C_3, tip[1]]
@@ -100,7 +100,7 @@ def test_printed_quadratic_and_its_solution_miss_the_slide() -> None:
 
 def test_printed_jacobian_derivative_takes_accelerations_for_velocities() -> None:
     def formula(slide: Array, turn: Array) -> Array:
-        """Printed with q̈_2, q̈_3 in the places of q̇_2, q̇_3; its sixth row is missing."""
+        """Printed with q̈_2, q̈_3 instead of q̇_2, q̇_3; its sixth row is missing."""
         w_1 = SPEED[:, 0]
         rate = slide - A_3 * S_3 * turn
         return matrices(
@@ -142,7 +142,7 @@ def test_arm_is_not_prismatic_revolute_prismatic() -> None:
     assert "".join(str(joint.get("type"))[0].upper() for joint in joints) == "RPR"
 
 
-def test_tip_position_does_not_tell_where_joint_3_is() -> None:
+def test_tip_position_does_not_determine_the_position_of_joint_3() -> None:
     q = np.array([0.3, -0.2, 1.2])
     joints, valid = ARM.inverse_kinematics_branches(ARM.forward_kinematics(q)[:3])
     attained = joints[valid]
@@ -171,7 +171,7 @@ def test_printed_sine_of_q1_is_undefined_at_the_end_of_the_slide() -> None:
         assert (abs(printed(x, y, u) - np.sin(0.7)) < 1e-14) == bearable
     with pytest.raises(ZeroDivisionError):
         printed(A_1 * float(np.cos(0.7)), A_1 * float(np.sin(0.7)), 0.0)
-    # the report's x_0 of 11 and 12 is such a place; here it has its joint position
+    # the report's x_0 of 11 and 12 is such a point; here it is given by its joint position
     at_end = np.array([0.0, -0.3, 0.0])
     found = ARM.inverse_kinematics(ARM.forward_kinematics(at_end)[:3], at_end)
     np.testing.assert_allclose(found, at_end, rtol=0, atol=1e-8)

@@ -246,7 +246,7 @@ def test_printed_equation_of_motion_has_forces_that_turn_with_the_direction_of_t
     assert np.abs(printed - right).max() > 1.0
 
 
-def test_printed_equation_of_motion_runs_away_under_the_reports_own_control() -> None:
+def test_printed_equation_of_motion_is_unstable_under_the_reports_own_control() -> None:
     goal, step = np.array([np.pi / 2, -0.2, np.pi]), 1e-5
 
     def fastest(forces: Callable[[Array, Array], Array]) -> float:

@@ -14,11 +14,11 @@ from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import Rollout, record_episode
 from prp_gym.evaluation.batch import can_batch, record_episodes
-from tests.support.controller_episodes import PAIRS, make
+from tests.support.controller_episodes import COMBINATIONS, make
 
 TRACKING = "PRP-JointTracking-v0"
 HOME = {
-    controller: next(name for name, other in reversed(PAIRS) if other == controller)
+    controller: next(name for name, other in reversed(COMBINATIONS) if other == controller)
     for controller in BASELINES
 }
 

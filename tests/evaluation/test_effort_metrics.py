@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from prp_gym.evaluation.metrics import effort as m
 from prp_gym.evaluation.response import root_mean_square
-from tests.support.made_up_episodes import (
+from tests.support.synthetic_episodes import (
     PERIOD,
     ROUNDING,
     TIME,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from prp_gym.evaluation import METRICS, Metric, Rollout, episode_metrics
-from tests.support.made_up_episodes import (
+from tests.support.synthetic_episodes import (
     SAMPLES,
     TIME,
     Array,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from prp_gym.evaluation import episode_metrics
 from prp_gym.evaluation.metrics import pose as m
-from tests.support.made_up_episodes import (
+from tests.support.synthetic_episodes import (
     ROUNDING,
     SAMPLES,
     TIME,

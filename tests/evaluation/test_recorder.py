@@ -11,8 +11,8 @@ from gymnasium.wrappers import RescaleAction
 from prp_gym.envs import PRPEnv
 from prp_gym.evaluation.batch import record_episodes
 from prp_gym.evaluation.episode import record_episode
-from tests.support.made_up_mode import NEVER, WILD, violent_in
 from tests.support.mode_episodes import made
+from tests.support.synthetic_mode import NEVER, WILD, violent_in
 from tests.support.vector_episodes import assert_same, single
 
 RATE, PERIODS = 50, 10

@@ -20,7 +20,7 @@ from prp_gym.evaluation import (
 )
 from prp_gym.evaluation.results import describe_run
 from prp_gym.evaluation.table import Row, evaluation_table
-from tests.support.made_up_episodes import GOAL, joint_fields, jump, make_rollout, reference
+from tests.support.synthetic_episodes import GOAL, joint_fields, jump, make_rollout, reference
 
 SWING = Metric(
     "swing",

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.evaluation import response as m
-from tests.support.made_up_episodes import (
+from tests.support.synthetic_episodes import (
     GOAL,
     ROUNDING,
     SAMPLES,

@@ -10,11 +10,11 @@ import pytest
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 from numpy.typing import NDArray
 
-from prp_gym import list_envs
-from prp_gym.baselines import list_baselines, make_baseline
+from prp_gym.baselines import make_baseline
 from prp_gym.errors import InvalidValueError, PolicyOutputError
 from prp_gym.evaluation import record_episode
 from prp_gym.tasks.scenario import SCENARIOS
+from tests.support.controller_episodes import ENVIRONMENTS, ONE_EACH
 
 Env = gymnasium.Env[Any, Any]
 FULL = np.array([1.0, -1.0, 1.0])
@@ -54,7 +54,7 @@ def make(environment_id: str, **options: Any) -> Env:
     return gymnasium.make(environment_id, control_frequency=FREQUENCY, duration=duration, **options)
 
 
-@pytest.fixture(params=list_envs())
+@pytest.fixture(params=ENVIRONMENTS)
 def env(request: pytest.FixtureRequest) -> Iterator[Env]:
     made = make(request.param)
     yield made
@@ -159,7 +159,7 @@ def test_episode_cut_short_by_a_wrapper_is_recorded_as_far_as_it_went(env: Env) 
     assert rollout.duration == STEPS / FREQUENCY
 
 
-@pytest.mark.parametrize("environment_id", list_envs())
+@pytest.mark.parametrize("environment_id", ENVIRONMENTS)
 def test_divergence_ends_the_episode_and_is_recorded(environment_id: str) -> None:
     env = make(environment_id, scenario="report", torque_limit=None)
     rollout = record_episode(scripted(env, FULL), env, seed=0)
@@ -171,12 +171,13 @@ def test_divergence_ends_the_episode_and_is_recorded(environment_id: str) -> Non
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
-def test_every_law_s_episode_runs_its_whole_length(env: Env, scenario: str) -> None:
-    assert env.spec is not None
-    made = make(env.spec.id, scenario=scenario, duration=0.4)
-    for controller in list_baselines(made.get_wrapper_attr("observation_layout")):
-        rollout = record_episode(make_baseline(controller, made), made, seed=0)
-        assert (len(rollout.reward), rollout.scenario, rollout.diverged) == (200, scenario, False)
+@pytest.mark.parametrize(("environment_id", "controller"), ONE_EACH, ids=map("-".join, ONE_EACH))
+def test_every_law_s_episode_runs_its_whole_length(
+    environment_id: str, controller: str, scenario: str
+) -> None:
+    made = make(environment_id, scenario=scenario, duration=0.4)
+    rollout = record_episode(make_baseline(controller, made), made, seed=0)
+    assert (len(rollout.reward), rollout.scenario, rollout.diverged) == (200, scenario, False)
     made.close()
 
 

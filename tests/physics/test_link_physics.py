@@ -165,7 +165,7 @@ def test_energy_is_kept_without_friction_and_torque() -> None:
     assert largest.max() > 1e-4
 
 
-def test_friction_takes_the_energy_that_its_law_says() -> None:
+def test_friction_takes_the_energy_of_its_equation() -> None:
     link, physics = Link(), LinkPhysics()
     physics.reset(ONE, np.array([[2.0]]), np.array([[3.0]]))
 

@@ -182,6 +182,17 @@ def test_a_motion_beyond_all_bounds_is_reported_until_the_next_reset() -> None:
     assert physics.within_limits
 
 
+def test_a_snapshot_holds_that_a_simulation_was_unstable() -> None:
+    physics, other = LinkPhysics(num_simulations=2), LinkPhysics(num_simulations=2)
+    stable = physics.snapshot()
+    physics.reset(np.arange(2), np.array([[0.1], [1e11]]), np.zeros((2, 1)))
+    physics.advance(1)
+    other.restore(physics.snapshot())
+    assert other.unstable.tolist() == [False, True]
+    other.restore(stable)
+    assert other.unstable.tolist() == [False, False]
+
+
 @pytest.mark.parametrize("timestep", [0.0, -0.001, math.nan, math.inf])
 def test_timestep_must_be_positive(timestep: float) -> None:
     with pytest.raises(InvalidValueError, match="timestep") as caught:

@@ -239,7 +239,7 @@ def test_surface_friction_arrives(friction: float, dimensions: int) -> None:
 
 
 @pytest.mark.parametrize("kind", ["viscous", "coulomb", "both"])
-def test_joint_friction_takes_the_energy_that_its_law_says(kind: str) -> None:
+def test_joint_friction_takes_the_energy_of_its_equation(kind: str) -> None:
     viscous, coulomb = np.array([0.1, 0.2, 0.01]), np.array([0.05, 0.2, 0.02])
     viscous *= kind != "coulomb"
     coulomb *= kind != "viscous"

@@ -1,4 +1,4 @@
-"""Pictures: right shape and place, of the current state, with the marks in their colours."""
+"""Frames: shape and content, of the current state, with the overlay in its colours."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -30,7 +30,7 @@ WIDTH, HEIGHT = 96, 64
 TOP_HEIGHT = 2.0  # of the top camera above the arm's foot [m]
 RED, GREEN, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 CENTER = np.array([0.1, 0.0, 0.6])  # under the top camera, above the arm
-Picture = NDArray[Any]
+Frame = NDArray[Any]
 
 
 @pytest.fixture(params=CAMERAS)
@@ -57,17 +57,17 @@ def top(drawing: None, physics: Physics) -> Iterator[OffscreenRenderer]:
     opened.close()
 
 
-def place(physics: Physics, q: tuple[float, float, float]) -> None:
+def set_joints(physics: Physics, q: tuple[float, float, float]) -> None:
     physics.reset(np.arange(1), np.array([q]), np.zeros((1, 3)))
 
 
-def changed(before: Picture, after: Picture) -> NDArray[np.bool_]:
+def changed(before: Frame, after: Frame) -> NDArray[np.bool_]:
     """Pixels that differ by more than shading's last digits."""
     apart: NDArray[np.bool_] = np.abs(before.astype(int) - after.astype(int)).max(axis=-1) > 8
     return apart
 
 
-def test_colour_picture_has_shape_type_and_content(renderer: OffscreenRenderer, physics: Physics) -> None:
+def test_colour_frame_has_shape_type_and_content(renderer: OffscreenRenderer, physics: Physics) -> None:
     frame = renderer.draw(physics.data(), [])
     assert frame.shape == (HEIGHT, WIDTH, 3)
     assert frame.dtype == np.uint8
@@ -75,21 +75,21 @@ def test_colour_picture_has_shape_type_and_content(renderer: OffscreenRenderer, 
     assert len(np.unique(frame.reshape(-1, 3), axis=0)) > 50
 
 
-def test_same_state_gives_the_same_picture_and_another_state_another(
+def test_same_state_gives_the_same_frame_and_another_state_another(
     renderer: OffscreenRenderer, physics: Physics
 ) -> None:
-    place(physics, (0.0, -0.1, 0.0))
+    set_joints(physics, (0.0, -0.1, 0.0))
     first = renderer.draw(physics.data(), [])
     kept = first.copy()
-    place(physics, (1.2, -0.2, 0.7))
+    set_joints(physics, (1.2, -0.2, 0.7))
     second = renderer.draw(physics.data(), [])
-    np.testing.assert_array_equal(first, kept)  # not overwritten by the next picture
+    np.testing.assert_array_equal(first, kept)  # not overwritten by the next frame
     assert changed(first, second).sum() > 50
-    place(physics, (0.0, -0.1, 0.0))
+    set_joints(physics, (0.0, -0.1, 0.0))
     np.testing.assert_array_equal(renderer.draw(physics.data(), []), first)
 
 
-def test_cameras_see_different_pictures(drawing: None, physics: Physics) -> None:
+def test_cameras_see_different_frames(drawing: None, physics: Physics) -> None:
     frames = []
     for name in CAMERAS:
         renderer = OffscreenRenderer(physics.model(), WIDTH, HEIGHT, name)
@@ -102,7 +102,7 @@ def test_depth_from_above_is_the_distance_to_floor_and_tip_in_metres(
     top: OffscreenRenderer, physics: Physics
 ) -> None:
     q = (0.0, -0.15, 0.9)
-    place(physics, q)
+    set_joints(physics, q)
     depth = top.draw(physics.data(), [], depth=True)
     assert depth.shape == (HEIGHT, WIDTH)
     assert depth.dtype == np.float32
@@ -123,42 +123,46 @@ def test_depth_and_colour_can_alternate(renderer: OffscreenRenderer, physics: Ph
     assert (depth > 0.0).all()
 
 
-MARKS: dict[str, tuple[OverlayItem, int]] = {
+OVERLAYS: dict[str, tuple[OverlayItem, int]] = {
     "ball": (Ball(CENTER, 0.1, RED), 0),
     "path": (Path(CENTER + np.array([[-0.2, 0, 0], [0, 0.2, 0], [0.2, 0, 0.0]]), 0.04, GREEN), 1),
     "arrow": (Arrow(CENTER, np.array([0.0, 0.3, 0.0]), 0.04, BLUE), 2),
 }
 
 
-@pytest.mark.parametrize("name", list(MARKS))
-def test_mark_is_seen_in_its_colour(name: str, renderer: OffscreenRenderer, physics: Physics) -> None:
-    mark, channel = MARKS[name]
+@pytest.mark.parametrize("name", list(OVERLAYS))
+def test_overlay_item_is_seen_in_its_colour(name: str, renderer: OffscreenRenderer, physics: Physics) -> None:
+    item, channel = OVERLAYS[name]
     plain = renderer.draw(physics.data(), [])
-    marked = renderer.draw(physics.data(), [mark])
-    of_colour = marked[..., channel] > 2 * np.delete(marked, channel, axis=-1).max(axis=-1).astype(int)
-    of_colour &= changed(plain, marked)
+    with_overlay = renderer.draw(physics.data(), [item])
+    of_colour = with_overlay[..., channel] > 2 * np.delete(with_overlay, channel, axis=-1).max(
+        axis=-1
+    ).astype(int)
+    of_colour &= changed(plain, with_overlay)
     assert of_colour.sum() > 10
     np.testing.assert_array_equal(renderer.draw(physics.data(), []), plain)
 
 
 def test_ball_stands_where_it_was_put(top: OffscreenRenderer, physics: Physics) -> None:
     plain = top.draw(physics.data(), []).astype(int)
-    marked = top.draw(physics.data(), [Ball(CENTER, 0.1, RED)]).astype(int)
+    with_overlay = top.draw(physics.data(), [Ball(CENTER, 0.1, RED)]).astype(int)
     # by how much it became redder than it became brighter: the ball, but not its shadow
-    red = (marked[..., 0] - marked[..., 2]) - (plain[..., 0] - plain[..., 2]) > 40
-    # the camera looks down on (0.1, 0): the picture's middle
+    red = (with_overlay[..., 0] - with_overlay[..., 2]) - (plain[..., 0] - plain[..., 2]) > 40
+    # the camera looks down on (0.1, 0): the frame's middle
     rows, columns = np.nonzero(red)
     assert rows.mean() == pytest.approx((HEIGHT - 1) / 2, abs=1.0)
     assert columns.mean() == pytest.approx((WIDTH - 1) / 2, abs=1.0)
 
 
-def test_marks_have_no_depth(top: OffscreenRenderer, physics: Physics) -> None:
+def test_overlay_items_have_no_depth(top: OffscreenRenderer, physics: Physics) -> None:
     plain = top.draw(physics.data(), [], depth=True)
-    marked = top.draw(physics.data(), [Ball(CENTER, 0.1, RED)], depth=True)
-    np.testing.assert_array_equal(marked, plain)
+    with_overlay = top.draw(physics.data(), [Ball(CENTER, 0.1, RED)], depth=True)
+    np.testing.assert_array_equal(with_overlay, plain)
 
 
-def test_marks_beyond_the_scenes_capacity_are_left_out(top: OffscreenRenderer, physics: Physics) -> None:
+def test_overlay_items_beyond_the_scenes_capacity_are_left_out(
+    top: OffscreenRenderer, physics: Physics
+) -> None:
     points = CENTER + np.linspace([-0.2, 0, 0], [0.2, 0, 0], 1100)
     overlay: list[OverlayItem] = [Ball(CENTER, 0.1, RED), Path(points, 0.005, GREEN), Ball(CENTER, 0.3, BLUE)]
     frame = top.draw(physics.data(), overlay)
@@ -170,7 +174,7 @@ def test_surface_is_drawn_where_it_was_set(drawing: None, physics: Physics) -> N
     frames = []
     for offset in (0.5, 0.35):
         physics.set_surface(np.arange(1), Surface.single(100.0, (0.0, -1.0, 0.0), offset))
-        place(physics, (0.0, -0.2, 0.0))
+        set_joints(physics, (0.0, -0.2, 0.0))
         renderer = OffscreenRenderer(physics.model(), WIDTH, HEIGHT, "overview")
         frames.append(renderer.draw(physics.data(), []))
         renderer.close()
@@ -192,7 +196,7 @@ def test_link_is_seen_swinging_by_both_cameras(drawing: None, camera: str) -> No
     assert columns[0] - columns[1] > 5.0
 
 
-def test_picture_may_be_larger_than_mujocos_default_buffer(drawing: None, physics: Physics) -> None:
+def test_frame_may_be_larger_than_mujocos_default_buffer(drawing: None, physics: Physics) -> None:
     renderer = OffscreenRenderer(physics.model(), 800, 700, "top")
     assert renderer.draw(physics.data(), []).shape == (700, 800, 3)
     renderer.close()

@@ -9,7 +9,7 @@ from prp_gym.robot import PRPArm
 from tests.support.pinocchio_model import Array
 
 ARM = PRPArm()
-K_P, K_D = 50.0, 10.0  # of the compliance law [N/m, N s/m]
+K_P, K_D = 50.0, 10.0  # of compliance control [N/m, N s/m]
 TARGET = ARM.forward_kinematics((0.0, -0.2, 0.0))  # 0.1 m behind the plane y = -0.44
 PLANE, OFFSET = (0.0, -1.0, 0.0), 0.44
 STIFFNESS = np.array([1.0, 50.0, 1000.0, 20000.0] * 2)  # [N/m]
@@ -49,7 +49,7 @@ def compliance(q: Array, velocity: Array) -> Array:
 
 
 def press(physics: Physics, milliseconds: int) -> None:
-    """Closed loop of the compliance law at 500 Hz."""
+    """Closed loop of compliance control at 500 Hz."""
     for _ in range(milliseconds // 2):
         physics.set_torque(compliance(physics.joint_position, physics.joint_velocity))
         physics.advance(2)
@@ -196,7 +196,7 @@ def test_momentum_balances_over_every_substep() -> None:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_result_does_not_depend_on_how_often_it_is_looked_at(friction: float) -> None:
+def test_result_does_not_depend_on_how_often_it_is_read(friction: float) -> None:
     surface = planes(STIFFNESS, DAMPING)
     settings = PhysicsSettings(surface=True, surface_friction=friction)
     start, torque = np.array([0.1, -0.12, 0.1]), np.array([0.5, -4.0, 1.0])
@@ -285,7 +285,7 @@ def test_sliding_friction_is_the_coefficient_times_the_normal_force(damping: flo
     fast = np.linalg.norm(velocity[..., [0, 2]], axis=-1) > 0.1
     size = np.linalg.norm(force[..., [0, 2]], axis=-1)
     assert fast.sum() > 100
-    # Coulomb's law at speeds where a regularised law has long left its creep
+    # Coulomb's law, at speeds well above those of the regularised friction model's creep
     np.testing.assert_allclose(size[fast], FRICTION * force[fast, 1], rtol=0.02)
 
 

@@ -1,4 +1,4 @@
-"""Where the surface is drawn in pictures: a patch of the plane, at the place of the contact."""
+"""Where the surface is drawn in frames: a patch of the plane, at the contact point."""
 
 from typing import Any
 
@@ -62,7 +62,7 @@ def test_patch_of_a_surface_that_is_given_lies_where_the_contact_projects_on_it(
     unit = np.array([0.0, -0.6, 0.8])
     np.testing.assert_allclose(normal, unit, rtol=0, atol=BOUND)
     np.testing.assert_allclose(middle, start.touch + (-0.6 - unit @ start.touch) * unit, rtol=0, atol=BOUND)
-    # the place of the contact is drawn all the same
+    # the patch is drawn at the contact point all the same
     np.testing.assert_array_equal(start.touch, begun(environment_id, 4, "randomized")[1].touch)
 
 
@@ -91,6 +91,6 @@ def test_center_of_the_patch_moves_no_force() -> None:
         physics.set_surface(ids, surface, center)
         physics.reset(ids, np.array([[0.0, -0.15, 0.0]]), np.zeros((1, 3)))
         forces.append(physics.contact_force[0].copy())
-    # 0.05 m deep; the place of the plane's frame is worth roundings of 1e-16 m times 300 N/m
+    # 0.05 m deep; the position of the plane's frame causes roundings of 1e-16 m times 300 N/m
     assert forces[0][1] == pytest.approx(15.0, rel=3e-3)
     np.testing.assert_allclose(forces[0], forces[1], rtol=0, atol=1e-10)

@@ -9,7 +9,7 @@ from PIL import Image
 
 from prp_gym.reproduction import FigureOutcome, Level, Panel, RecordedRun, Verdict, load_catalogue
 from prp_gym.reproduction.figures import COLORS, axes_of, draw, table
-from tests.support.hand_made_rollout import rollout_of
+from tests.support.synthetic_rollout import rollout_of
 
 CATALOGUE = load_catalogue()
 TIME = np.arange(5) * 0.1

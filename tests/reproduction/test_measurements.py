@@ -9,7 +9,7 @@ from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation import Rollout
 from prp_gym.reproduction.measurements import MEASUREMENTS
 from prp_gym.reproduction.signals import SIGNALS, series
-from tests.support.hand_made_rollout import PERIOD, rollout_of
+from tests.support.synthetic_rollout import PERIOD, rollout_of
 
 
 def measure(name: str, rollout: Rollout, signal: str, **arguments: Any) -> list[float]:

@@ -10,7 +10,6 @@ import pytest
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
-from prp_gym.tasks.registration import list_envs
 from prp_gym.reproduction import FigureOutcome, Run, Verdict, judge, load_catalogue, record_run
 from prp_gym.reproduction.catalogue import CHAPTERS
 from prp_gym.reproduction.experiment import Number, Prediction

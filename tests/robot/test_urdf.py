@@ -1,4 +1,4 @@
-"""The URDF document, read by Pinocchio, is the arm built by hand; its pictures lie on its masses."""
+"""The URDF document, read by Pinocchio, is the arm built by hand; its visual shapes lie on its masses."""
 
 import dataclasses
 import math

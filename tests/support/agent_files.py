@@ -12,9 +12,9 @@ from safetensors.numpy import load, save
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.agents.policy.agent_tensors import pack_tensors
 from prp_gym.errors import AgentFileError
-from tests.support.made_up_agents import made_up_policy
+from tests.support.synthetic_agents import synthetic_policy
 
-POLICY = made_up_policy({"realistic": 0.5})
+POLICY = synthetic_policy({"realistic": 0.5})
 
 
 def tensors_of(stem: Path) -> Path:

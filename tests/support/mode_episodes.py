@@ -1,5 +1,6 @@
 """What the tests of the action modes share: every mode on an environment that can have it."""
 
+from collections.abc import Hashable
 from functools import cache
 from typing import Any
 
@@ -8,20 +9,13 @@ import numpy as np
 
 import prp_gym
 from prp_gym.action_modes import ACTION_MODES, list_action_modes
+from prp_gym.baselines import make_baseline
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.robot.arrays import Array
+from tests.support.covering import covering, one_of_each
 
 RESIDUAL = "residual:"
-
-# one for every kind of world and reference: pose with force, joints, one link; and random draws of all
-_PLACES = (
-    "PRP-ForcePosition-v0",
-    "PRP-Impedance-v0",
-    "PRP-JointTracking-v0",
-    "PRP-PoseTracking-v0",
-    "PRP-Adaptive-v0",
-)
 
 
 def made(environment_id: str, mode: str = TORQUE, **keywords: Any) -> PRPEnv:
@@ -31,38 +25,48 @@ def made(environment_id: str, mode: str = TORQUE, **keywords: Any) -> PRPEnv:
 
 
 @cache
+def environment(environment_id: str) -> PRPEnv:
+    """One that is only looked at, for whoever asks."""
+    return made(environment_id)
+
+
+@cache
 def modes_of(environment_id: str) -> tuple[str, ...]:
     """The modes beside `torque` that an environment can have."""
-    names = list_action_modes(made(environment_id).observation_layout)
+    names = list_action_modes(environment(environment_id).observation_layout)
     return tuple(name for name in names if name != TORQUE)
 
 
-def law_of(mode: str) -> str:
+def controller_of(mode: str) -> str:
     """The controller that a mode runs."""
     return mode.removeprefix(RESIDUAL) if mode.startswith(RESIDUAL) else ACTION_MODES[mode].entry.controller
 
 
-def _one_place_each() -> list[tuple[str, str]]:
-    """Every mode on the first place that can have it."""
-    return [
-        (next(place for place in _PLACES if mode in modes_of(place)), mode)
-        for mode in list_action_modes()
-        if mode != TORQUE
-    ]
+def kind_of(combination: tuple[str, str]) -> Hashable:
+    """What an action means and to which model: the arm's or the link's."""
+    environment_id, mode = combination
+    return mode, type(environment(environment_id).arm)
 
 
-PAIRS = [(name, mode) for name in prp_gym.list_envs() for mode in modes_of(name)]
+def way_of(combination: tuple[str, str]) -> Hashable:
+    """How an action acts: through inputs of a controller, or as a residual of a stateful one or not."""
+    environment_id, mode = combination
+    if not mode.startswith(RESIDUAL):
+        return kind_of(combination)
+    env = environment(environment_id)
+    policy = make_baseline(controller_of(mode), env)
+    remembers = policy.predict(np.zeros(env.observation_layout.size))[1] is not None
+    return remembers, type(env.arm)
+
+
+COMBINATIONS = [(name, mode) for name in prp_gym.list_envs() for mode in modes_of(name)]
 """All environments in all modes that they can have."""
 
-PLACES = _one_place_each()
-"""Every mode once."""
+COVERING = covering(COMBINATIONS, kind_of)
+"""Every mode once on the arm and on the link where it can run there, and every environment."""
 
-KINDS = [(name, mode) for name, mode in PLACES if not mode.startswith(RESIDUAL)] + [
-    ("PRP-Adaptive-v0", "joint_position"),
-    ("PRP-Adaptive-v0", "residual:adaptive"),
-    ("PRP-ForcePosition-v0", "residual:force_inner_position"),
-]
-"""Every way in which an action steers, and laws that remember."""
+KINDS = one_of_each(COMBINATIONS, way_of)
+"""Every way in which an action acts, stateless and stateful controllers, on the arm and on the link."""
 
 
 def random_actions(env: Any, count: int, seed: int = 1, share: float = 1.0) -> Array:

@@ -1,9 +1,9 @@
-"""What adaptation is for, in the simulated arm: masses 30 % off, on the report's sine, for 20 s.
+"""Adaptive control of the simulated arm with link masses 30 % off, on the report's sine, for 20 s.
 
-The fixed law with the same wrong masses is `joint_inverse_dynamics` with the same feedback: in the adaptive
-law σ˙ = -K_D/B σ with σ = q̃˙ + Λq̃ makes K_P = ΛK_D/B and K_D = Λ + K_D/B, with B's diagonal at the middle
-of the sine. Compared is the root mean square over the last period, 1 s, of the error of the joints
-together, √(q̃_1² + q̃_2² + q̃_3²), with 1 rad, 1 m and 1 rad for a unit.
+The controller with fixed parameters and the same link-mass errors is `joint_inverse_dynamics` with the same
+feedback: in adaptive control σ˙ = -K_D/B σ with σ = q̃˙ + Λq̃ makes K_P = ΛK_D/B and K_D = Λ + K_D/B, with B's
+diagonal at the middle of the sine. The compared value is the root mean square over the last period, 1 s, of
+the error of all joints, √(q̃_1² + q̃_2² + q̃_3²), with the units 1 rad, 1 m and 1 rad.
 """
 
 from contextlib import closing
@@ -33,7 +33,7 @@ MIXED = ((0.7, 1.3, 1.3), (1.3, 0.7, 0.7))
 def last_error(
     controller: str, factors: Factors, start: dict[str, Array], gains: str = "tuned", **own: Any
 ) -> float:
-    """Of a law whose model has masses times `factors`; without adaptation 5 s are enough to settle."""
+    """Of a controller whose model has masses times `factors`; without adaptation 5 s are enough to settle."""
     duration = 20.0 if controller == "adaptive" else 5.0
     with closing(gymnasium.make(TRACKING, scenario="report", reference="sine", duration=duration)) as env:
         policy = prp_gym.make_baseline(controller, env, gains, model=NOMINAL.scaled(factors), **own)
@@ -43,7 +43,7 @@ def last_error(
 
 
 def same_feedback() -> dict[str, Any]:
-    """Gains of `joint_inverse_dynamics` that feed back as the tuned adaptive law does."""
+    """Gains of `joint_inverse_dynamics` whose feedback is that of the tuned adaptive controller."""
     with closing(gymnasium.make(TRACKING)) as env:
         controller = prp_gym.make_baseline("adaptive", env)
     assert isinstance(controller, AdaptiveController)
@@ -53,10 +53,10 @@ def same_feedback() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("factors", [LIGHT, HEAVY, *MIXED])
-def test_adaptation_leaves_less_than_a_tenth_of_the_error_of_wrong_masses(factors: Factors) -> None:
+def test_adaptation_leaves_less_than_a_tenth_of_the_error_of_link_mass_errors(factors: Factors) -> None:
     adapted = last_error("adaptive", factors, ON_REFERENCE)
     fixed = last_error("joint_inverse_dynamics", factors, ON_REFERENCE, **same_feedback())
-    assert fixed > 5e-3  # there was something to win
+    assert fixed > 5e-3  # there is an error to reduce
     assert adapted < 0.1 * fixed
     assert adapted < 5e-4
     # feedback fifteen times as stiff does not do as well, and the report's gains are out of the question
@@ -68,5 +68,5 @@ def test_adaptation_leaves_less_than_a_tenth_of_the_error_of_wrong_masses(factor
 def test_adaptation_recovers_from_the_step_that_the_report_starts_with(factors: Factors) -> None:
     """From home the reference is half a turn away; until the arm is there, the estimates learn little."""
     fixed = last_error("joint_inverse_dynamics", factors, FROM_HOME, **same_feedback())
-    assert fixed > 5e-3  # there was something to win
+    assert fixed > 5e-3  # there is an error to reduce
     assert last_error("adaptive", factors, FROM_HOME) < 0.1 * fixed

@@ -1,6 +1,6 @@
 """Closed forms of contact against simulation, in the report's scenario.
 
-In steady contact the laws' closed loops are springs: no force depends on the control rate, so that the
+In steady contact the controllers' closed loops are springs: no force depends on the control rate, so that the
 report's figures hold at 500 Hz as at 1000 Hz. Tolerances are those of the design, in percent; what the
 simulation itself leaves is stated where it is larger than rounding.
 """
@@ -24,8 +24,8 @@ FORCE, FORCE_POSITION = "PRP-Force-v0", "PRP-ForcePosition-v0"
 RATES = (500, 1000)
 
 
-def play(environment_id: str, controller: str, gains: str = "report", **options: Any) -> Rollout:
-    """One episode of the report's scenario; options of the law are `integral_gain` and `origin`."""
+def run(environment_id: str, controller: str, gains: str = "report", **options: Any) -> Rollout:
+    """One episode of the report's scenario; options of the controller are `integral_gain` and `origin`."""
     settings = {name: options.pop(name) for name in ("integral_gain", "origin") if name in options}
     with closing(gymnasium.make(environment_id, scenario="report", **options)) as env:
         return record_episode(prp_gym.make_baseline(controller, env, gains, **settings), env, seed=0)
@@ -52,7 +52,7 @@ def test_surface_is_pressed_as_by_a_spring(
 ) -> None:
     expected = spring_force(stiffness, 50.0, 0.1)
     assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
-    rollout = play(environment_id, controller, surface_stiffness=stiffness, control_frequency=frequency)
+    rollout = run(environment_id, controller, surface_stiffness=stiffness, control_frequency=frequency)
     # 5 s leave 1e-7 of the slowest transient: the design's 0.2 % are not needed
     np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-6, atol=1e-6)
 
@@ -61,7 +61,7 @@ def test_surface_is_pressed_as_by_a_spring(
 def test_impedance_with_the_gains_of_the_figures_presses_harder(stiffness: float, printed: float) -> None:
     expected = spring_force(stiffness, 75.0, 0.1)
     assert expected == pytest.approx(printed, abs=5e-4)  # the printed digits
-    rollout = play(IMPEDANCE, "impedance", "figures", surface_stiffness=stiffness)
+    rollout = run(IMPEDANCE, "impedance", "figures", surface_stiffness=stiffness)
     # 5 s leave 1e-7 of the transient
     np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-6, atol=1e-6)
 
@@ -69,7 +69,7 @@ def test_impedance_with_the_gains_of_the_figures_presses_harder(stiffness: float
 @pytest.mark.parametrize("stiffness", [1.0, 50.0, 1000.0])
 def test_impedance_meets_the_surface_as_the_report_plots_it(stiffness: float) -> None:
     """Highest y of the tip, from figures 35 to 37 without their feed-forward error."""
-    rollout = play(IMPEDANCE, "impedance", "figures", surface_stiffness=stiffness, control_frequency=1000)
+    rollout = run(IMPEDANCE, "impedance", "figures", surface_stiffness=stiffness, control_frequency=1000)
     highest = {1.0: -0.34081, 50.0: -0.36760, 1000.0: -0.42863}[stiffness]
     # a fourth-order integration of the same loop gives these digits; 1 ms steps move the peak by up to 0.1 mm
     assert rollout.fields["end_effector_pose"][:, 1].max() == pytest.approx(highest, abs=1.2e-4)
@@ -82,7 +82,7 @@ def test_impedance_meets_the_surface_as_the_report_plots_it(stiffness: float) ->
 def test_compliant_frame_gives_way_as_a_spring(stiffness: float, printed: float, frequency: int) -> None:
     expected = spring_force(stiffness, 20.0, 0.05)
     assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
-    rollout = play(
+    rollout = run(
         ADMITTANCE,
         "admittance",
         reference="hold",
@@ -108,14 +108,14 @@ def test_force_comes_out_as_the_inner_loop_predicts(settings: dict[str, Any], pr
     assert x_0 - x_e == pytest.approx(-0.1)
     expected = proportional if settings else f_d
     assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
-    rollout = play(FORCE, "force_inner_position", torque_limit=None, duration=15.0, **settings)
+    rollout = run(FORCE, "force_inner_position", torque_limit=None, duration=15.0, **settings)
     # the PI's slow pole is K_I/K_F = 0.5 1/s: 15 s leave 6e-4 of its start of a few percent
     np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-4, atol=1e-6)
 
 
 @pytest.mark.parametrize("frequency", RATES)
 def test_parallel_control_reaches_the_force_and_gives_up_the_position_along_it(frequency: int) -> None:
-    rollout = play(
+    rollout = run(
         FORCE_POSITION,
         "parallel_force_position",
         torque_limit=None,
@@ -129,7 +129,7 @@ def test_parallel_control_reaches_the_force_and_gives_up_the_position_along_it(f
 
 
 def test_parallel_control_as_run_leaves_the_joint_limits() -> None:
-    rollout = play(
+    rollout = run(
         FORCE_POSITION,
         "parallel_force_position",
         start="home",
@@ -151,7 +151,7 @@ def test_impedance_rings_where_the_held_force_takes_all_of_its_damping(
     B, M_d, K_D = 1.549, 0.5, 10.0  # along the slide at home
     taken = (B / M_d - 1.0) * stiffness / (2.0 * frequency)
     assert (taken > B / M_d * K_D) == rings
-    rollout = play(
+    rollout = run(
         IMPEDANCE, "impedance", "tuned_50hz", surface_stiffness=stiffness, control_frequency=frequency
     )
     force = np.linalg.norm(rollout.fields["contact_force"], axis=-1)[rollout.time > 4.0]

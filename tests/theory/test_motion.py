@@ -1,4 +1,4 @@
-"""Closed forms of the joint-space laws against episodes of the report's scenario.
+"""Closed forms of the joint-space controllers against episodes of the report's scenario.
 
 Errors are desired minus actual. The closed forms hold in continuous time; the arm is simulated with 1 ms
 semi-implicit steps and torques held over a control period. At 1000 Hz the two coincide, so that the
@@ -37,8 +37,8 @@ PHYSICS_STEP = 1e-3
 ACTION_ROUNDING = 1e-6
 
 
-def play(environment_id: str, controller: str, gains: str = "report", **options: Any) -> Rollout:
-    """One episode of the report's scenario, with settings of the law and keywords of the environment."""
+def run(environment_id: str, controller: str, gains: str = "report", **options: Any) -> Rollout:
+    """One episode of the report's scenario, with the controller's settings and the environment's keywords."""
     known = {field.name for field in fields(BASELINES[controller].settings_class)}
     settings = {name: options.pop(name) for name in known & set(options)}
     with closing(gymnasium.make(environment_id, scenario="report", **options)) as env:
@@ -92,14 +92,14 @@ def test_pd_without_gravity_sags_by_the_root_of_its_scalar_equation(frequency: i
     for _ in range(50):  # a contraction: |dg_3/dq_3| is below 0.97, over 50
         sag = PRPArm().gravity_vector([0.0, 0.0, math.pi - sag])[2] / 50.0
     assert sag == pytest.approx(-0.01924, abs=5e-6)  # the printed digits
-    rollout = play(REGULATION, PD, gravity="none", duration=10.0, control_frequency=frequency)
+    rollout = run(REGULATION, PD, gravity="none", duration=10.0, control_frequency=frequency)
     # an equilibrium is one at any rate; 10 s leave 1e-14 of the slowest transient
     np.testing.assert_allclose(error_of(rollout)[-1], [0.0, 0.0, sag], atol=ACTION_ROUNDING)
 
 
 @pytest.mark.parametrize("gravity", ["current", "desired"])
 def test_pd_with_gravity_compensation_has_no_steady_error(gravity: str) -> None:
-    rollout = play(REGULATION, PD, gravity=gravity, duration=10.0)
+    rollout = run(REGULATION, PD, gravity=gravity, duration=10.0)
     np.testing.assert_allclose(error_of(rollout)[-1], 0.0, atol=ACTION_ROUNDING)
 
 
@@ -117,14 +117,14 @@ def test_pd_with_gravity_compensation_has_no_steady_error(gravity: str) -> None:
 def test_inverse_dynamics_turns_every_joint_into_a_double_integrator(
     environment_id: str, options: dict[str, str], gains: str
 ) -> None:
-    rollout = play(environment_id, INVERSE_DYNAMICS, gains, control_frequency=1000, duration=2.0, **options)
+    rollout = run(environment_id, INVERSE_DYNAMICS, gains, control_frequency=1000, duration=2.0, **options)
     expected = recursion(rollout, *GAINS[gains])
     np.testing.assert_allclose(rollout.fields["joint_position"], expected, atol=ACTION_ROUNDING)
 
 
 @pytest.mark.parametrize("gains", ["report", "fast"])
 def test_inverse_dynamics_follows_the_analytic_response(gains: str) -> None:
-    rollout = play(REGULATION, INVERSE_DYNAMICS, gains)
+    rollout = run(REGULATION, INVERSE_DYNAMICS, gains)
     relative = error_of(rollout) / GOAL
     expected = error_decay(rollout.time, *GAINS[gains])[:, None]
     # 1e-2 is the bound of the design; held for 2 ms, the response is off by at most 2.3e-3
@@ -152,7 +152,7 @@ def test_inverse_dynamics_overshoots_as_a_second_order_system(
     peak_time = math.pi / damped_frequency
     printed = {"report": (4.32, 0.628), "fast": (1.93, 0.226)}[gains]
     assert (overshoot, peak_time) == pytest.approx(printed, abs=5e-3)  # the printed digits
-    rollout = play(REGULATION, INVERSE_DYNAMICS, gains, control_frequency=frequency, duration=1.0)
+    rollout = run(REGULATION, INVERSE_DYNAMICS, gains, control_frequency=frequency, duration=1.0)
     measured_overshoot, measured_time = peak(rollout)
     np.testing.assert_allclose(measured_overshoot, overshoot, atol=overshoot_tolerance)
     np.testing.assert_allclose(measured_time, peak_time, atol=time_tolerance)
@@ -160,7 +160,7 @@ def test_inverse_dynamics_overshoots_as_a_second_order_system(
 
 @pytest.mark.parametrize(("gains", "overshoot"), [("report", 4.2535), ("fast", 1.7556)])
 def test_inverse_dynamics_overshoots_as_the_recursion_does(gains: str, overshoot: float) -> None:
-    rollout = play(REGULATION, INVERSE_DYNAMICS, gains, control_frequency=1000, duration=1.0)
+    rollout = run(REGULATION, INVERSE_DYNAMICS, gains, control_frequency=1000, duration=1.0)
     expected = 100.0 * ((recursion(rollout, *GAINS[gains]) / GOAL).max(axis=0) - 1.0)
     np.testing.assert_allclose(expected, overshoot, atol=5e-5)  # the printed digits
     # percent of steps of at least 0.2: 500 times the positions' rounding
@@ -180,7 +180,7 @@ def test_error_of_the_quintic_as_run_decays_from_the_step_to_the_first_waypoint(
     assert second[0] == pytest.approx(first_joint_at_second, abs=5e-5 if gains == "report" else 5e-4)
     # the design's tolerance at 1000 Hz; held for 2 ms, the moving joints are coupled: up to 1.7e-3
     for frequency, tolerance in ((1000, 1e-3), (500, 2e-3)):
-        rollout = play(TRACKING, INVERSE_DYNAMICS, gains, control_frequency=frequency)
+        rollout = run(TRACKING, INVERSE_DYNAMICS, gains, control_frequency=frequency)
         np.testing.assert_allclose(at(rollout, 0.0), step, atol=1e-12)
         np.testing.assert_allclose(at(rollout, 0.5), first, atol=tolerance)
         assert at(rollout, 1.0)[0] == pytest.approx(second[0], abs=tolerance)
@@ -188,9 +188,9 @@ def test_error_of_the_quintic_as_run_decays_from_the_step_to_the_first_waypoint(
 
 def test_quintic_from_home_is_followed_but_for_the_discretisation() -> None:
     # without a hold the design's bounds hold; held for 2 ms the error is up to 2.5 times larger
-    fine = play(TRACKING, INVERSE_DYNAMICS, control_frequency=1000, start="home")
-    coarse = play(TRACKING, INVERSE_DYNAMICS, control_frequency=500, start="home")
-    coarser = play(TRACKING, INVERSE_DYNAMICS, control_frequency=250, start="home")
+    fine = run(TRACKING, INVERSE_DYNAMICS, control_frequency=1000, start="home")
+    coarse = run(TRACKING, INVERSE_DYNAMICS, control_frequency=500, start="home")
+    coarser = run(TRACKING, INVERSE_DYNAMICS, control_frequency=250, start="home")
     errors = [root_mean_square_error(error_of(item), np.zeros(3)) for item in (fine, coarse, coarser)]
     assert (errors[0] < [1e-3, 3e-4, 1e-3]).all()
     assert (errors[1] < [1.1e-3, 3e-4, 1.1e-3]).all()
@@ -204,17 +204,17 @@ def test_quintic_from_home_is_followed_but_for_the_discretisation() -> None:
     ("gains", "expected", "last_digit"),
     [("report", (0.058, 0.020, 0.21), (1e-3, 1e-3, 1e-2)), ("fast", (0.009, 0.003, 0.023), (1e-3,) * 3)],
 )
-def test_wrong_masses_leave_the_known_error(
+def test_link_mass_errors_leave_the_known_error(
     gains: str, expected: Any, last_digit: Any, frequency: int
 ) -> None:
-    rollout = play(
-        TRACKING, INVERSE_DYNAMICS, gains, start="home", model=WRONG_MASSES, control_frequency=frequency
+    rollout = run(
+        TRACKING, INVERSE_DYNAMICS, gains, start="home", model=PERTURBED_MASSES, control_frequency=frequency
     )
     measured = root_mean_square_error(error_of(rollout), np.zeros(3))
     assert (np.abs(measured - expected) <= 0.1 * np.array(expected) + np.array(last_digit) / 2).all()
 
 
-WRONG_MASSES = RobotParameters().with_masses((0.9, 0.5, 0.7))
+PERTURBED_MASSES = RobotParameters().with_masses((0.9, 0.5, 0.7))
 VIA_POINT_ERRORS = (
     (-0.080, -0.086, -0.034, -0.051, 0.001, -0.023),
     (-0.0085, -0.041, -0.021, -0.028, -0.006, -0.023),
@@ -224,8 +224,8 @@ VIA_POINT_ERRORS = (
 
 # half a printed digit, and what 1 ms (1000 Hz) or the 2 ms hold (500 Hz) adds on the moving reference
 @pytest.mark.parametrize(("frequency", "tolerance"), [(1000, 1.5e-3), (500, 2.5e-3)])
-def test_wrong_masses_leave_the_known_errors_at_the_waypoints(frequency: int, tolerance: float) -> None:
-    rollout = play(TRACKING, INVERSE_DYNAMICS, model=WRONG_MASSES, control_frequency=frequency)
+def test_link_mass_errors_leave_the_known_errors_at_the_waypoints(frequency: int, tolerance: float) -> None:
+    rollout = run(TRACKING, INVERSE_DYNAMICS, model=PERTURBED_MASSES, control_frequency=frequency)
     measured = np.array([at(rollout, time) for time in VIA_TIMES]).T
     np.testing.assert_allclose(measured, VIA_POINT_ERRORS, atol=tolerance)
 
@@ -237,14 +237,14 @@ def test_wrong_masses_leave_the_known_errors_at_the_waypoints(frequency: int, to
 def test_first_torque_of_inverse_dynamics_is_inertia_times_the_step_and_gravity(
     gains: str, printed: Any, digits: Any
 ) -> None:
-    rollout = play(TRACKING, INVERSE_DYNAMICS, gains, duration=0.002)
+    rollout = run(TRACKING, INVERSE_DYNAMICS, gains, duration=0.002)
     assert (np.abs(rollout.torque[0] - printed) <= np.array(digits)).all()  # the printed digits
 
 
 @cache
 def figure_step() -> Rollout:
     """Joint PD with the figures' gains; at 1000 Hz, see the test of stability below."""
-    return play(REGULATION, PD, "figures", control_frequency=1000)
+    return run(REGULATION, PD, "figures", control_frequency=1000)
 
 
 def test_figure_gains_of_pd_settle_as_printed_without_overshoot() -> None:
@@ -262,7 +262,7 @@ def test_figure_gains_of_pd_settle_as_printed_without_overshoot() -> None:
 
 
 def test_figure_gains_of_pd_leave_the_known_residual_on_the_sine() -> None:
-    rollout = play(TRACKING, PD, "figures", reference="sine", control_frequency=1000, duration=3.0)
+    rollout = run(TRACKING, PD, "figures", reference="sine", control_frequency=1000, duration=3.0)
     residual = np.abs(error_of(rollout)[rollout.time > 2.0]).max(axis=0)
     # a fourth-order integration of the same loop gives the printed digits; 1 ms takes up to 3e-4 from them
     np.testing.assert_allclose(residual, [0.0123, 0.0036, 0.0041], atol=3.5e-4)
@@ -278,7 +278,7 @@ def test_figure_gains_of_pd_are_stable_where_the_held_loop_is(frequency: int, st
     assert (radius < 1.0) == stable
     # gains of one's own are free to choose the rate, those of the set are refused below 1000 Hz
     own = {name: gains[name] for name in ("proportional_gain", "derivative_gain")}
-    rollout = play(REGULATION, PD, "figures", control_frequency=frequency, **own)
+    rollout = run(REGULATION, PD, "figures", control_frequency=frequency, **own)
     assert (np.abs(error_of(rollout)[-1]) < 0.02 * np.abs(GOAL)).all() == stable
 
 

@@ -1,4 +1,4 @@
-"""Steady contact forces on every surface, at every place, in every pose: not only at the report's points."""
+"""Steady contact forces on every surface, at every contact point and in every pose, not only the report's."""
 
 from typing import Any, NamedTuple
 
@@ -13,7 +13,7 @@ from prp_gym.robot import PRPArm
 
 Array = NDArray[np.float64]
 
-PLACES = (-0.2, -0.15, -0.1)  # of the slide at the first touch [m]
+SLIDE_POSITIONS = (-0.2, -0.15, -0.1)  # of the slide at the first touch [m]
 POSES = ((0.0, 0.0), (-1.9, 1.1), (2.4, -0.7))  # q_1 and q_3 [rad]
 DEPTH = 0.05
 SPRINGS = {
@@ -21,26 +21,26 @@ SPRINGS = {
     "impedance": ("PRP-Impedance-v0", 50.0),
     "admittance": ("PRP-Admittance-v0", 20.0),
 }
-FORCE_LAWS = {
+FORCE_CONTROLLERS = {
     "force_inner_position": "PRP-Force-v0",
     "parallel_force_position": "PRP-ForcePosition-v0",
 }
 
 
 class Press(NamedTuple):
-    """One case: a surface's stiffness [N/m], where and how the arm meets it, and what more is asked for."""
+    """One case: the surface's stiffness [N/m], contact point and pose of the arm, and target impedance."""
 
     stiffness: float
-    place: ContactPoint
+    contact: ContactPoint
     target_impedance: dict[str, Array]
 
 
 def grid(stiffnesses: Array) -> list[Press]:
-    """Every stiffness with every place and pose."""
+    """Every stiffness with every contact point and pose."""
     return [
         Press(float(K), ContactPoint(PRPArm(), np.array([q_1, slide, q_3]), -1.0), {})
         for K in stiffnesses
-        for slide in PLACES
+        for slide in SLIDE_POSITIONS
         for q_1, q_3 in POSES
     ]
 
@@ -51,13 +51,13 @@ def press(environment_id: str, controller: str, cases: list[Press], **options: A
     policy, loop = prp_gym.make_baseline(controller, env), env.make_loop(len(cases))
     rngs = [np.random.default_rng(0) for _ in cases]
     loop.reset(np.arange(len(cases)), rngs, {})
-    for row, (stiffness, place, target_impedance) in enumerate(cases):
-        before, behind = place.near(np.array([[0.0, -0.02, 0.0], [0.0, DEPTH, 0.0]]))
+    for row, (stiffness, contact, target_impedance) in enumerate(cases):
+        before, behind = contact.near(np.array([[0.0, -0.02, 0.0], [0.0, DEPTH, 0.0]]))
         given = {
             "joint_position": before,
             "goal": behind,
-            "surface_normal": place.normal,
-            "surface_offset": np.array(place.offset),
+            "surface_normal": contact.normal,
+            "surface_offset": np.array(contact.offset),
             "surface_stiffness": np.array(stiffness),
             **target_impedance,
         }
@@ -68,13 +68,13 @@ def press(environment_id: str, controller: str, cases: list[Press], **options: A
         action, state = policy.predict(observation, state, episode_start=starts)
         observation = loop.step(action.astype(np.float64)).observation
         starts = np.zeros(len(cases), dtype=np.bool_)
-    force, inward = loop.physics.contact_force, -np.stack([case.place.normal for case in cases])
+    force, inward = loop.physics.contact_force, -np.stack([case.contact.normal for case in cases])
     along = np.vecdot(force, inward)
     return along, np.linalg.norm(force - along[:, None] * inward, axis=-1)
 
 
 @pytest.mark.parametrize("controller", SPRINGS)
-def test_springs_hold_on_every_surface_at_every_place_in_every_pose(controller: str) -> None:
+def test_springs_hold_on_every_surface_at_every_contact_point_in_every_pose(controller: str) -> None:
     environment_id, own = SPRINGS[controller]
     options = {"reference": "hold"} if controller == "admittance" else {}
     cases = grid(np.logspace(0, 4, 9))
@@ -86,13 +86,15 @@ def test_springs_hold_on_every_surface_at_every_place_in_every_pose(controller: 
     np.testing.assert_allclose(across, 0.0, atol=1e-9)  # without friction nothing acts along the surface
 
 
-@pytest.mark.parametrize("controller", FORCE_LAWS)
-def test_desired_force_is_reached_on_every_surface_at_every_place_in_every_pose(controller: str) -> None:
+@pytest.mark.parametrize("controller", FORCE_CONTROLLERS)
+def test_desired_force_is_reached_on_every_surface_at_every_contact_point_in_every_pose(
+    controller: str,
+) -> None:
     cases = [
         case._replace(target_impedance={"desired_force": np.array(min(5.0, 0.04 * case.stiffness))})
         for case in grid(np.logspace(np.log10(50.0), np.log10(5000.0), 9))  # what the tuned gains are for
     ]
-    along, across = press(FORCE_LAWS[controller], controller, cases)
+    along, across = press(FORCE_CONTROLLERS[controller], controller, cases)
     np.testing.assert_allclose(
         along, [case.target_impedance["desired_force"] for case in cases], rtol=2e-3
     )  # the design

@@ -12,21 +12,16 @@ import pytest
 
 import prp_gym
 from prp_gym import list_envs
-from prp_gym.baselines import BASELINES, ControllerData, list_baselines, load_gains, make_baseline
+from prp_gym.baselines import BASELINES, ControllerData, load_gains, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.tuning import SearchSpace, TuningTask, search_space, start_gains
+from prp_gym.tuning import SearchSpace, TuningTask, make_candidates, start_gains
+from tests.support.controller_episodes import COMBINATIONS, COVERING, environment
 
-ENVIRONMENTS: dict[str, Any] = {name: gymnasium.make(name, duration=0.02) for name in list_envs()}
-PAIRS = [
-    (controller, name)
-    for name, env in ENVIRONMENTS.items()
-    for controller in list_baselines(env.get_wrapper_attr("observation_layout"))
-]
 ROUNDING = 1e-12  # relative: a few products and powers in double precision
 
 
 def space_of(controller: str, environment_id: str) -> SearchSpace:
-    policy = make_baseline(controller, ENVIRONMENTS[environment_id])
+    policy = make_baseline(controller, environment(environment_id))
     return SearchSpace.of(BASELINES[controller], policy.settings)
 
 
@@ -41,16 +36,16 @@ def corners(space: SearchSpace) -> Iterator[dict[str, float]]:
 
 
 def test_every_law_has_a_place_and_every_place_a_law() -> None:
-    assert {controller for controller, _ in PAIRS} == set(BASELINES)
-    assert {name for _, name in PAIRS} == set(list_envs())
+    assert {controller for _, controller in COMBINATIONS} == set(BASELINES)
+    assert {name for name, _ in COMBINATIONS} == set(list_envs())
 
 
-@pytest.mark.parametrize(("controller", "environment_id"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "controller"), COMBINATIONS, ids=map("-".join, COMBINATIONS))
 def test_centre_is_the_tuned_set_exactly(controller: str, environment_id: str) -> None:
     space = space_of(controller, environment_id)
     assert all(item.low < 1.0 < item.high and item.low > 0.0 for item in space.parameters)
     assert len(space.start) == len(space.parameters) >= 2
-    env = ENVIRONMENTS[environment_id]
+    env = environment(environment_id)
     tuned, made = (
         make_baseline(controller, env),
         make_baseline(controller, env, "report", **space.settings(space.start)),
@@ -59,9 +54,9 @@ def test_centre_is_the_tuned_set_exactly(controller: str, environment_id: str) -
         np.testing.assert_array_equal(vars(made.settings)[name], value, err_msg=name)
 
 
-@pytest.mark.parametrize(("controller", "environment_id"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "controller"), COVERING, ids=map("-".join, COVERING))
 def test_every_corner_is_a_law_with_finite_actions(controller: str, environment_id: str) -> None:
-    env, space = ENVIRONMENTS[environment_id], space_of(controller, environment_id)
+    env, space = environment(environment_id), space_of(controller, environment_id)
     observation, _ = env.reset(seed=1)
     for factors in corners(space):
         policy = make_baseline(controller, env, "tuned", **space.settings(factors))
@@ -69,7 +64,7 @@ def test_every_corner_is_a_law_with_finite_actions(controller: str, environment_
         assert np.isfinite(action).all()
 
 
-@pytest.mark.parametrize(("controller", "environment_id"), PAIRS)
+@pytest.mark.parametrize(("environment_id", "controller"), COVERING, ids=map("-".join, COVERING))
 def test_every_parameter_changes_settings_as_no_other_does(controller: str, environment_id: str) -> None:
     space = space_of(controller, environment_id)
     numbers = [name for name, value in space.settings(space.start).items() if not isinstance(value, str)]
@@ -131,7 +126,7 @@ def test_adaptation_moves_masses_and_frictions_apart() -> None:
 
 
 def test_what_a_task_asks_for_is_the_centre_of_what_is_rendered() -> None:
-    env = ENVIRONMENTS["PRP-Compliance-v0"]
+    env = environment("PRP-Compliance-v0")
     target_impedance = env.unwrapped.task.target_impedance["stiffness"]
     space = space_of("admittance", "PRP-Compliance-v0")
     np.testing.assert_array_equal(space.centre.stiffness, target_impedance)  # type: ignore[attr-defined]
@@ -142,9 +137,11 @@ def test_what_a_task_asks_for_is_the_centre_of_what_is_rendered() -> None:
 @pytest.mark.parametrize(("rate", "gains"), [(500.0, "tuned"), (1000.0, "tuned"), (50.0, "tuned_50hz")])
 def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> None:
     task = TuningTask("PRP-JointTracking-v0", "joint_pd", "randomized", rate, 10_000)
-    assert start_gains(task.controller, task.environment_id, rate) == gains
+    assert start_gains(BASELINES["joint_pd"], task.environment_id, rate) == gains
     with closing(gymnasium.make(task.environment_id, control_frequency=rate)) as env:
-        centre = search_space(task, env).centre
+        space = make_candidates(task, env).space
+        assert isinstance(space, SearchSpace)
+        centre = space.centre
         expected = load_gains("joint_pd", gains, task.environment_id)["proportional_gain"]
         np.testing.assert_array_equal(vars(centre)["proportional_gain"], expected)
 
@@ -152,7 +149,7 @@ def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> Non
 def test_law_that_does_not_exist_is_refused() -> None:
     task = TuningTask("PRP-JointTracking-v0", "joint_pid", "randomized", 500.0, 10_000)
     with pytest.raises(UnknownNameError, match=r"unknown baseline 'joint_pid'\. Did you mean 'joint_pd'"):
-        search_space(task, ENVIRONMENTS[task.environment_id])
+        make_candidates(task, environment(task.environment_id))
 
 
 @pytest.mark.parametrize("gain", [2.0, (1.0, 2.0, 3.0)])
@@ -161,7 +158,7 @@ def test_controller_without_a_search_space_has_a_factor_on_each_vector_setting(g
     def damper(joint_velocity: Any, *, damping: Any = gain, offset: float = 0.5) -> Any:
         return offset - damping * joint_velocity
 
-    space = SearchSpace.of(damper, make_baseline(damper, ENVIRONMENTS["PRP-JointTracking-v0"]).settings)
+    space = SearchSpace.of(damper, make_baseline(damper, environment("PRP-JointTracking-v0")).settings)
     assert [(item.name, item.low, item.high) for item in space.parameters] == [
         ("damping", 0.1, 10.0),
         ("offset", 0.1, 10.0),
@@ -173,7 +170,7 @@ def test_controller_without_a_search_space_has_a_factor_on_each_vector_setting(g
 
 def test_settings_that_are_no_vectors_are_left_alone() -> None:
     spec = replace(BASELINES["operational_inverse_dynamics"], data=ControllerData())
-    policy = make_baseline("operational_inverse_dynamics", ENVIRONMENTS["PRP-PoseTracking-v0"])
+    policy = make_baseline("operational_inverse_dynamics", environment("PRP-PoseTracking-v0"))
     assert set(SearchSpace.of(spec, policy.settings).start) == {"proportional_gain", "derivative_gain"}
 
 
@@ -203,7 +200,7 @@ def test_parameter_that_does_not_fit_the_settings_is_refused(
 ) -> None:
     file = tmp_path / "mine.toml"
     file.write_text(f"[search.speed]\n{row}\n", encoding="utf-8")
-    policy = make_baseline("joint_pd", ENVIRONMENTS["PRP-JointTracking-v0"])
+    policy = make_baseline("joint_pd", environment("PRP-JointTracking-v0"))
     with pytest.raises(InvalidValueError) as caught:
         SearchSpace.of(replace(BASELINES["joint_pd"], data=ControllerData(file)), policy.settings)
     assert (caught.value.what, caught.value.value) == (what, value)

@@ -137,7 +137,7 @@ def test_controller_of_a_users_own_reads_back_and_is_left_to_its_code(tmp_path: 
     write_json(tmp_path / "result.json", content)
     read = load_tuned_controller(tmp_path / "result.json")
     assert (read.controller, read.settings, read.code) == ("mine.py:PD", {"gain": 2.0}, own)
-    with pytest.raises(InvalidValueError, match="'mine.py:PD'; allowed: a registered controller"):
+    with pytest.raises(InvalidValueError, match=r"'mine\.py:PD'; allowed: a registered controller"):
         read.make(ENV)
 
 

@@ -25,7 +25,7 @@ from tests.support.agent_files import (
     rewrite,
     tensors_of,
 )
-from tests.support.made_up_agents import ID, RUN, layout_of, made_up_policy, observations
+from tests.support.synthetic_agents import ID, RUN, layout_of, observations, synthetic_policy
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def assert_same(found: LearnedPolicy, expected: LearnedPolicy) -> None:
 @pytest.mark.parametrize("kind", [str, Path])
 def test_agent_is_read_as_it_was_written(tmp_path: Path, suffix: str, kind: Callable[[str], Any]) -> None:
     for memory in ((), (3, 2)):
-        policy = made_up_policy({"report": 0.25, "realistic": 0.5}, memory)
+        policy = synthetic_policy({"report": 0.25, "realistic": 0.5}, memory)
         path = kind(f"{tmp_path}/folder/ppo_v0.5{suffix}")
         assert [file.name for file in save_agent(policy, path)] == ["ppo_v0.5.safetensors", "ppo_v0.5.json"]
         assert_same(load_agent(path), policy)
@@ -89,8 +89,8 @@ def test_card_without_a_revision_is_of_revision_1(saved: Path) -> None:
 def test_agent_that_could_not_be_read_again_is_not_written(tmp_path: Path) -> None:
     for value in (np.nan, np.inf):
         with pytest.raises(AgentFileError, match=r"key 'card.scores.report.value' is .*; expected a number"):
-            save_agent(made_up_policy({"report": value}), tmp_path / "agent")
-    policy = made_up_policy()
+            save_agent(synthetic_policy({"report": value}), tmp_path / "agent")
+    policy = synthetic_policy()
     broken = LearnedPolicy(policy.card, replace(policy.normalizer, epsilon=np.nan), policy.network)
     with pytest.raises(AgentFileError, match=r"tensor 'normalizer\.epsilon' has NaN or infinity"):
         save_agent(broken, tmp_path / "agent")
@@ -129,7 +129,7 @@ def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def ship(folder: Path, scores: dict[int, float], group: str = f"{ID}/ppo_torque") -> None:
     for seed, value in scores.items():
         run = replace(RUN, seed=seed)
-        policy = made_up_policy({"realistic": value, "report": -value}, seed=seed, run=run)
+        policy = synthetic_policy({"realistic": value, "report": -value}, seed=seed, run=run)
         save_agent(policy, folder / f"{group}_seed_{seed}")
 
 
@@ -156,7 +156,7 @@ def test_group_loads_the_training_seed_of_median_score(
 
 def test_median_needs_scores_where_there_are_several(shipped: Path) -> None:
     ship(shipped, {0: 0.1})
-    save_agent(made_up_policy({"report": 0.5}), shipped / ID / "ppo_torque_seed_1")
+    save_agent(synthetic_policy({"report": 0.5}), shipped / ID / "ppo_torque_seed_1")
     assert "has no score in scenario 'realistic', in which it was trained" in refusal(f"{ID}/ppo_torque")
 
 

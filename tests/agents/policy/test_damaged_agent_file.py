@@ -11,7 +11,7 @@ from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.card_file import pack_card, unpack_card
 from prp_gym.errors import AgentFileError
 from tests.support.agent_files import POLICY, card_of, refusal, replace_tensors, tensors_of
-from tests.support.made_up_agents import made_up_policy
+from tests.support.synthetic_agents import synthetic_policy
 
 
 @pytest.fixture
@@ -69,7 +69,7 @@ def test_file_with_something_behind_it_is_refused(saved: Path, name: str) -> Non
 
 
 def test_numbers_of_another_agent_are_refused(saved: Path) -> None:
-    save_agent(made_up_policy(seed=1), saved.parent / "other")
+    save_agent(synthetic_policy(seed=1), saved.parent / "other")
     tensors_of(saved).write_bytes(tensors_of(saved.parent / "other").read_bytes())
     assert "damaged, altered or another's" in refusal(saved)
 

@@ -14,9 +14,9 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecFrameStack, VecNorm
 import prp_gym
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from tests.support.made_up_agents import ID, KEYWORDS, layout_of, made_up_policy
+from tests.support.synthetic_agents import ID, KEYWORDS, layout_of, synthetic_policy
 
-POLICIES = {"without memory": made_up_policy(), "with memory": made_up_policy(memory=(5, 4))}
+POLICIES = {"without memory": synthetic_policy(), "with memory": synthetic_policy(memory=(5, 4))}
 
 
 @pytest.fixture(params=POLICIES)

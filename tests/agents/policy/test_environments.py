@@ -18,7 +18,7 @@ from prp_gym.agents.training.train import train
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import UnknownNameError
 from tests.support.agent_files import POLICY, put, refusal, rewrite
-from tests.support.made_up_agents import ID
+from tests.support.synthetic_agents import ID
 from tests.support.training_runs import tiny_job
 
 PAYLOAD = "module_that_writes_a_file"

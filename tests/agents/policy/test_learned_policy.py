@@ -19,11 +19,11 @@ from prp_gym.agents.policy.network import Network, NetworkShape
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.errors import InvalidValueError, ShapeError
 from tests.conformance.test_public_api import in_fresh_python
-from tests.support.made_up_agents import ID, KEYWORDS, layout_of, made_up_policy, observations
+from tests.support.synthetic_agents import ID, KEYWORDS, layout_of, observations, synthetic_policy
 
 ROUNDING = 2e-6  # single precision: a few dozen operations on numbers of magnitude 1 to 10
 
-POLICIES = {"without memory": made_up_policy(), "with memory": made_up_policy(memory=(5, 4))}
+POLICIES = {"without memory": synthetic_policy(), "with memory": synthetic_policy(memory=(5, 4))}
 
 
 @pytest.fixture(params=POLICIES)
@@ -109,7 +109,7 @@ def test_normaliser_scales_and_clips() -> None:
 
 
 def test_tracking_errors_are_the_features(env: gymnasium.Env[Any, Any]) -> None:
-    policy = made_up_policy()
+    policy = synthetic_policy()
     observation, _ = env.reset(seed=1)
     parts = layout_of(ID).split(observation)
     errors = [parts[f"desired_joint_{kind}"] - parts[f"joint_{kind}"] for kind in ("position", "velocity")]
@@ -132,9 +132,9 @@ def test_one_and_many_observations_give_the_same_actions(policy: LearnedPolicy) 
 
 
 def test_policy_without_memory_has_no_state() -> None:
-    action, state = made_up_policy().predict(observations(2), None, np.array([True, False]))
+    action, state = synthetic_policy().predict(observations(2), None, np.array([True, False]))
     assert state is None
-    np.testing.assert_array_equal(action, made_up_policy().predict(observations(2))[0])
+    np.testing.assert_array_equal(action, synthetic_policy().predict(observations(2))[0])
 
 
 def test_state_starts_anew_in_the_rows_where_an_episode_starts() -> None:

@@ -21,7 +21,7 @@ import prp_gym
 from prp_gym.agents.sb3 import packages
 from prp_gym.agents.sb3.vec_env import SB3VecEnv
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
-from tests.support.sb3_pair import assert_same
+from tests.support.sb3_environments import assert_same
 
 N = 4
 ID = "PRP-JointRegulation-v0"
@@ -85,8 +85,8 @@ def test_keywords_reach_the_environments() -> None:
 
 def test_module_of_an_id_is_imported_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     code = (
-        "import gymnasium\nfrom prp_gym.envs import ForceVectorEnv as Many\n"
-        "gymnasium.register('Own-v0', vector_entry_point=Many)"
+        "import gymnasium\nfrom prp_gym.envs.vector import PRPVectorEnv\n"
+        "gymnasium.register('Own-v0', vector_entry_point=PRPVectorEnv, kwargs={'task': 'PRP-Force-v0'})"
     )
     (tmp_path / "module_with_an_id.py").write_text(code, encoding="utf-8")
     monkeypatch.syspath_prepend(tmp_path)

@@ -28,7 +28,7 @@ from prp_gym.errors import (
     ShapeError,
     UnknownNameError,
 )
-from tests.support.sb3_pair import (
+from tests.support.sb3_environments import (
     ID,
     SHORT,
     N,

@@ -11,7 +11,7 @@ from stable_baselines3.common.monitor import Monitor
 from prp_gym.agents.sb3.vec_env import SB3VecEnv
 from prp_gym.envs import PRPVectorEnv
 from prp_gym.errors import EpisodeError, InvalidValueError
-from tests.support.sb3_pair import ID, N, actions_for, assert_same_results, both, together
+from tests.support.sb3_environments import ID, N, actions_for, assert_same_results, both, together
 
 
 @pytest.mark.parametrize("indices", [None, 2, -1, [0, 3], (1,), range(1, 3), np.array([3, 1])])

@@ -17,7 +17,7 @@ from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import export_agent, identity_normalizer
 from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, ShapeError
-from tests.support.made_up_agents import ID, KEYWORDS, RUN, Trained, facts, layout_of, observations, trained
+from tests.support.synthetic_agents import ID, KEYWORDS, RUN, Trained, facts, layout_of, observations, trained
 
 # single precision, summed in another order: 2⁻²⁴ of each of some dozens of products that are at most 10
 SAME = 1e-5

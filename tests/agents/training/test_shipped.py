@@ -18,7 +18,7 @@ from prp_gym.cli.ship import SCENARIOS
 from prp_gym.errors import PRPError
 from prp_gym.evaluation.results import to_plain
 from prp_gym.tasks.spec import TASKS
-from tests.support.made_up_agents import layout_of
+from tests.support.synthetic_agents import layout_of
 
 GROUPS = read_groups()
 CHEAP = "PRP-Adaptive-v0"  # a single link: a hundred episodes take about a second

@@ -3,6 +3,7 @@
 import copy
 from dataclasses import fields
 from importlib import import_module
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +34,8 @@ def environment(environment_id: str, **keywords: Any) -> PRPEnv:
 
 
 def kinds() -> list[tuple[str, dict[str, Any]]]:
-    """Every task in every scenario, and every reference of tasks that have several."""
+    """Every reference of every task in two scenarios: with noise, and in one of the others by turns."""
+    ideal = cycle(name for name in SCENARIOS if name != "realistic")
     listed: list[tuple[str, dict[str, Any]]] = []
     for environment_id in prp_gym.list_envs():
         env = environment(environment_id)
@@ -44,8 +46,8 @@ def kinds() -> list[tuple[str, dict[str, Any]]]:
             choices = [{"reference": reference} for reference in references]
         listed += [
             (environment_id, {"scenario": name, "torque_limit": limit, **choice})
-            for name in SCENARIOS
             for choice in choices
+            for name in ("realistic", next(ideal))
         ]
     return listed
 
@@ -99,6 +101,13 @@ def test_many_equal_one_by_one_across_restarts_and_refills(kind: tuple[str, dict
         assert_rows_equal(outcome, [loop.step(action[[i]]) for i, loop in enumerate(alone)])
         assert not outcome.terminated.any()
         np.testing.assert_array_equal(together.time, np.concatenate([loop.time for loop in alone]))
+
+
+def test_episode_is_truncated_in_the_step_that_reaches_its_duration() -> None:
+    loop = a_loop(duration=0.02)  # ten steps
+    loop.reset(EVERYONE, generators(EVERYONE), NONE)
+    ends = [loop.step(action).truncated.tolist() for action in actions(10)]
+    assert ends == [[False] * N] * 9 + [[True] * N]
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)

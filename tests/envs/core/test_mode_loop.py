@@ -11,8 +11,8 @@ import pytest
 
 from prp_gym.envs import PRPEnv
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
-from tests.support.made_up_mode import NEVER, WILD, violent_in
 from tests.support.mode_episodes import KINDS, made, random_actions
+from tests.support.synthetic_mode import NEVER, WILD, violent_in
 from tests.support.vector_episodes import MODES, assert_same, one_by_one, single, together
 
 RATE, PERIODS = 50, 10

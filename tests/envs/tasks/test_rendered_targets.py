@@ -13,7 +13,7 @@ from prp_gym.baselines import BASELINES, ControlInterface, list_baselines, make_
 from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
-from tests.support.controller_episodes import PAIRS, make
+from tests.support.controller_episodes import COMBINATIONS, make
 
 COMPLIANCE, IMPEDANCE, ADMITTANCE = "PRP-Compliance-v0", "PRP-Impedance-v0", "PRP-Admittance-v0"
 RENDERING = (COMPLIANCE, IMPEDANCE, ADMITTANCE)
@@ -30,7 +30,7 @@ TAKEN = {
 RATE = {"tuned": 500, "tuned_50hz": 50}
 ASKING = [
     (controller, environment_id)
-    for environment_id, controller in PAIRS
+    for environment_id, controller in COMBINATIONS
     if controller in TAKEN and environment_id in RENDERING
 ]
 
@@ -177,7 +177,7 @@ SLOWER = {1000.0: 500, 500.0: 250, 100.0: 50, 50.0: 25}
 
 def home_of(controller: str) -> str:
     """An environment on which a controller can run."""
-    return next(environment_id for environment_id, other in PAIRS if other == controller)
+    return next(environment_id for environment_id, other in COMBINATIONS if other == controller)
 
 
 @pytest.mark.parametrize(("controller", "gains", "least"), LEAST)

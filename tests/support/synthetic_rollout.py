@@ -1,4 +1,4 @@
-"""Recorded episodes made by hand."""
+"""Recorded episodes written down as numbers."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,4 +1,4 @@
-"""Motions and episodes made up by hand, whose metrics are known beforehand."""
+"""Motions and episodes written down as numbers, whose metrics are known beforehand."""
 
 from collections.abc import Callable, Mapping
 from typing import Any

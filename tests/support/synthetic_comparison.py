@@ -1,4 +1,4 @@
-"""Records of a comparison made up by hand: realistic in size, and with known differences."""
+"""Records of a comparison that never ran: realistic in size, and with known differences."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -59,7 +59,7 @@ def score(value: float) -> Score:
     return Score(value, value - 0.01, value + 0.01, 20, 0)
 
 
-def made_up_policy(
+def synthetic_policy(
     scores: Mapping[str, float] | None = None,
     memory: tuple[int, ...] = (),
     seed: int = 0,

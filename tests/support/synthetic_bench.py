@@ -6,7 +6,7 @@ from typing import Any
 
 from bench.costs import Condition, conditions
 from bench.rounds import FREE, FULL, LARGE_PPO, REACHER, Label
-from bench.single import PLACES, REACHER_FREQUENCY
+from bench.single import CONDITIONS, REACHER_FREQUENCY
 from bench.vector import labels
 
 Rate = Callable[[Label], float]
@@ -33,16 +33,19 @@ def _training(rate: Rate) -> list[dict[str, Any]]:
 
 def _costs() -> dict[str, Any]:
     steps = [
-        {**vars(place), "law_name": "joint_pd", "seconds": part_seconds(place)} for place in conditions(FULL)
+        {**vars(condition), "controller_name": "joint_pd", "seconds": part_seconds(condition)}
+        for condition in conditions(FULL)
     ]
     reset = {"environment": FREE, "num_envs": 64, "seconds": {"all": 1e-4, "one": 2e-4}}
     return {"steps": steps, "resets": [reset]}
 
 
-def part_seconds(place: Condition) -> dict[str, float]:
-    """Parts of a step that are not the same in any two places [s]."""
-    physics = 1e-6 * (place.num_envs + place.control_frequency / 500 + (0.3 if place.threads else 0.0))
-    physics *= 1.0 if place.environment == FREE else 7.0
+def part_seconds(condition: Condition) -> dict[str, float]:
+    """Parts of a step that are not the same in any two conditions [s]."""
+    physics = 1e-6 * (
+        condition.num_envs + condition.control_frequency / 500 + (0.3 if condition.threads else 0.0)
+    )
+    physics *= 1.0 if condition.environment == FREE else 7.0
     task, wrapper = 2.0 * physics, 3.0 * physics
     return {"step": 6.0 * physics, "physics": physics, "task": task, "wrapper": wrapper, "controller": 4e-5}
 
@@ -59,9 +62,9 @@ def _peers() -> dict[str, Any]:
 
 def make_results(rate: Rate, evaluate_seconds: float = 100.0) -> dict[str, Any]:
     """Complete results in which every contender runs at a rate."""
-    loops = [Label(kind, *place) for place in PLACES for kind in ("bare", "single")]
+    loops = [Label(kind, *condition) for condition in CONDITIONS for kind in ("bare", "single")]
     loops.append(Label("single", REACHER, REACHER_FREQUENCY))
-    many = [*labels(FULL), *(Label("bare_all_cores", *place) for place in PLACES)]
+    many = [*labels(FULL), *(Label("bare_all_cores", *condition) for condition in CONDITIONS)]
     names = ("python", "prp-gym", "gymnasium", "mujoco", "numpy", "stable_baselines3", "torch")
     return {
         "machine": {

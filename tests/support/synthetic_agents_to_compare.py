@@ -10,7 +10,7 @@ from prp_gym.agents.policy.agent_card import CurvePoint
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.network import Network
-from tests.support.made_up_agents import RUN, made_up_policy
+from tests.support.synthetic_agents import RUN, synthetic_policy
 
 CURVE = (
     CurvePoint(1000, 6.0, 0.05, {"joint_stop": 2.0}),
@@ -36,7 +36,7 @@ def save(
         network: seed of the network's random numbers.
         keywords: of the environment, where they are not `KEYWORDS`.
     """
-    policy = made_up_policy(
+    policy = synthetic_policy(
         seed=seed if network is None else network,
         environment_id=environment_id,
         keywords={**KEYWORDS, **keywords},
