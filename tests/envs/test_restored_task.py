@@ -1,4 +1,4 @@
-"""A restored environment goes on with the task of the saved one, whatever that remembers."""
+"""A restored environment continues with the task of the saved one, including its state."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ REGULATION = TASKS["PRP-JointRegulation-v0"]
 
 
 class RestlessErrors(JointErrors):
-    """They depend on what was drawn at an episode's start."""
+    """Errors whose weight depends on the start of the episode."""
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         self.weight = 1.0 + abs(float(starts[0].joint_position[0]))
@@ -29,7 +29,7 @@ class RestlessErrors(JointErrors):
 
 
 def compose(setup: TaskSetup) -> TaskParts:
-    """Regulation, judged by errors with a state of their own."""
+    """Regulation with an error function that has a state."""
     parts = REGULATION.entry.compose(setup)
     return replace(parts, errors=RestlessErrors(REGULATION_LAYOUT))
 
@@ -37,7 +37,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 REGULATION_LAYOUT = PRPEnv(REGULATION.id).task.layout
 
 
-def test_restored_environment_is_judged_by_the_restored_task(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_restored_environment_has_the_errors_of_the_restored_task(monkeypatch: pytest.MonkeyPatch) -> None:
     spec = replace(REGULATION, id="PRP-Restless-v0", entry=TaskEntry(compose))
     monkeypatch.setitem(TASKS._specs, spec.id, spec)
     env, other = PRPEnv(spec.id), PRPEnv(spec.id)
