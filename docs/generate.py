@@ -107,8 +107,8 @@ def _data_sheet(env: Any, environment_id: str) -> str:
     parts.append("`reset(options=...)` accepts:\n\n" + table(("option", "shape", "unit", "meaning"), rows))
     parts.append(
         "The episode is truncated after `duration`. It is terminated only if the simulation diverges, that"
-        " is, if it exceeds the declared bounds of joint position or velocity, or if MuJoCo meets a value that is"
-        " not finite.\n"
+        " is, if it exceeds the declared bounds of joint position or velocity, or if MuJoCo meets a value"
+        " that is not finite.\n"
     )
     controllers = ", ".join(f"`{name}`" for name in list_baselines(env.observation_layout))
     parts.append(f"Controllers that run on this task: {controllers}.\n")
