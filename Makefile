@@ -5,8 +5,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
-# After the first of these, `source .venv/bin/activate` puts prp-gym and python on the path.
-.PHONY: install evaluate reproduce test mutants lint type bench peers docs pictures sweep train compare clean
+# `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
+.PHONY: install evaluate reproduce test mutants lint type bench peers docs frames sweep train compare clean
 
 install: $(VENV)/.core
 
@@ -48,8 +48,8 @@ sweep: $(VENV)/.dev
 docs: $(VENV)/.dev
 	$(BIN)/python -m docs.generate
 
-pictures: $(VENV)/.dev
-	$(BIN)/python -m docs.pictures
+frames: $(VENV)/.dev
+	$(BIN)/python -m docs.frames
 
 clean:
 	rm -rf $(VENV) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison

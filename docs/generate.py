@@ -1,4 +1,4 @@
-"""Write the documentation pages that are made from declarations: `make docs`.
+"""Generate the documentation pages that are made from declarations: `make docs`.
 
 A test fails when a committed page differs from what this module would write.
 """
@@ -24,11 +24,11 @@ from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
 
 _CONTACT_DRAWS = (
-    "\n`contact` is the joint position at the first touch (rad, m, rad); the surface lies across the slide's"
-    " direction there, pressed on by an extending slide where `side` is positive, by a retracting one"
-    " elsewhere. `start` and `waypoints` are relative to it: turn of joint 1 (rad), depth below the surface"
-    " (m), turn of joint 3 (rad). `interval` in s, stiffness in N/m, damping in N·s/m, forces in N, depths in"
-    " m.\n"
+    "\n`contact` is the joint position at the first contact (rad, m, rad). The surface is perpendicular to"
+    " the slide's direction there; an extending slide presses on it if `side` is positive, a retracting one"
+    " otherwise. `start` and `waypoints` are relative to the contact: rotation of joint 1 (rad), depth below"
+    " the surface (m), rotation of joint 3 (rad). The unit of `interval` is s, of stiffness N/m, of damping"
+    " N·s/m, of forces N and of depths m.\n"
 )
 FOLDER = Path(__file__).parent
 
@@ -40,15 +40,18 @@ def environments_page() -> str:
     parts.append("\n## Keywords of every environment\n")
     parts.append(_keywords(EnvConfig))
     parts.append("\n## Scenarios\n")
-    parts.append(table(("name", "what it is"), ((f"`{s}`", load_scenario(s).description) for s in SCENARIOS)))
-    parts.append("\n## Many environments\n")
+    parts.append(
+        table(("scenario", "description"), ((f"`{s}`", load_scenario(s).description) for s in SCENARIOS))
+    )
+    parts.append("\n## Vector environments\n")
     parts.append(_vector_keywords())
     parts.append("\n## Action\n")
     parts.append(
-        "`Box(-1, 1, (size,), float32)`, whose meaning is the keyword `action_mode`: see"
-        " [action modes](action_modes.md). By default it is the joint torques, three but for PRP-Adaptive-v0,"
-        " over the actuator limits `env.unwrapped.torque_limit` [N·m, N, N·m]. What is beyond ±1 is clipped;"
-        " torques that are so are counted in `info`. NaN, infinity and another shape raise an error.\n"
+        "The action space is `Box(-1, 1, (size,), float32)`. The keyword `action_mode` determines the meaning"
+        " of an action, see [action modes](action_modes.md). By default it is the vector of joint torques"
+        " (three, one for PRP-Adaptive-v0) normalised by the actuator limits `env.unwrapped.torque_limit`"
+        " [N·m, N, N·m]. Values beyond ±1 are clipped, and `info` counts the clipped torques. NaN, infinity"
+        " and another shape raise an error.\n"
     )
     for entry in TASKS.values():
         parts.append(_data_sheet(gymnasium.make(entry.id).unwrapped, entry.id))
@@ -56,7 +59,7 @@ def environments_page() -> str:
 
 
 def _layouts() -> list[tuple[str, ObservationLayout]]:
-    """What every environment observes, with its id."""
+    """Ids of all environments with their observation layouts."""
     made = [(entry.id, gymnasium.make(entry.id)) for entry in TASKS.values()]
     return [(name, env.get_wrapper_attr("observation_layout")) for name, env in made]
 
@@ -70,7 +73,7 @@ def _keywords(declaration: type[Any]) -> str:
 
 
 def _vector_keywords() -> str:
-    """What `gymnasium.make_vec` takes beside the keywords of a single environment."""
+    """Keywords of `gymnasium.make_vec` in addition to those of a single environment."""
     text = inspect.getdoc(PRPVectorEnv) or ""
     meanings = _attributes(text, "Args")
     rows = [
@@ -89,7 +92,7 @@ def _data_sheet(env: Any, environment_id: str) -> str:
     parts = [f"\n## {environment_id}\n", _sheet_text(env), ""]
     options = env.task_spec.entry.options
     if dataclasses.fields(options):
-        parts += ["### Keywords of its own\n", _keywords(options)]
+        parts += ["### Additional keywords\n", _keywords(options)]
     parts += ["### Observation\n", _observation(env)]
     parts += ["### Reward\n", _reward(env)]
     parts += ["### Info\n"]
@@ -99,23 +102,23 @@ def _data_sheet(env: Any, environment_id: str) -> str:
     parts += ["### Start, end, reset options\n", _ranges(env)]
     if env.task.numbers.constants:
         parts.append(table(("constant", "value"), _constants("", env.task.numbers.constants)))
-        parts.append("Forces in N; target models in kg, N·s/m, N/m and kg·m², N·m·s/rad, N·m/rad.\n")
+        parts.append("Forces are in N, target models in kg, N·s/m, N/m and kg·m², N·m·s/rad, N·m/rad.\n")
     rows = [(f"`{n}`", f"`{o.shape}`", o.unit, o.description) for n, o in env.task.reset_options.items()]
-    parts.append("`reset(options=...)` takes:\n\n" + table(("option", "shape", "unit", "meaning"), rows))
+    parts.append("`reset(options=...)` accepts:\n\n" + table(("option", "shape", "unit", "meaning"), rows))
     parts.append(
-        "The episode is truncated after `duration`; it is terminated"
-        " only if the simulation diverges: it leaves the declared bounds of joint position or velocity, or"
-        " MuJoCo meets a value that is not finite.\n"
+        "The episode is truncated after `duration`. It is terminated only if the simulation diverges, that"
+        " is, if it exceeds the declared bounds of joint position or velocity, or if MuJoCo meets a value"
+        " that is not finite.\n"
     )
     controllers = ", ".join(f"`{name}`" for name in list_baselines(env.observation_layout))
-    parts.append(f"Laws that run here: {controllers}.\n")
+    parts.append(f"Controllers that run on this task: {controllers}.\n")
     modes = ", ".join(f"`{name}`" for name in modes_of(env.observation_layout))
     parts.append(f"Action modes: {modes}.\n")
     return "\n".join(parts)
 
 
 def _sheet_text(env: PRPEnv) -> str:
-    """The data sheet that stands in the docstring of the task's composition."""
+    """Data sheet of a task, the docstring of its composition."""
     return inspect.getdoc(env.task_spec.entry.compose) or ""
 
 
@@ -150,7 +153,10 @@ def _observation(env: PRPEnv) -> str:
 
 
 def _reward(env: PRPEnv) -> str:
-    text = "Per step: dt Σ w κ(‖e/s‖) with κ(z) = 1/(1 + z); the score is the return over the duration.\n\n"
+    text = (
+        "The reward of a step is dt Σ w κ(‖e/s‖) with κ(z) = 1/(1 + z). The score is the return divided by the"
+        " duration.\n\n"
+    )
     rows = [
         (f"`{t.name}`", f"{t.weight:g}", numbers(t.scale), ", ".join(t.unit)) for t in env.task.numbers.reward
     ]
@@ -165,7 +171,7 @@ def _ranges(env: PRPEnv) -> str:
             fixed = bounds.low == bounds.high
             limits = (numbers(bounds.low), "" if fixed else numbers(bounds.high))
             rows.append((f"`{draws}`", f"`{name}`", *limits, "fixed" if fixed else how))
-    text = table(("draws of", "quantity", "from", "to", "uniform in"), rows)
+    text = table(("scenario kind", "quantity", "lower bound", "upper bound", "uniform in"), rows)
     return text + _CONTACT_DRAWS if "contact" in next(iter(env.task.numbers.ranges.values())) else text
 
 
@@ -173,7 +179,7 @@ def baselines_page() -> str:
     """Every controller with its equation, settings and gain sets."""
     parts = [NOTE, "# Baselines\n"]
     rows = ((f"`{name}`", spec.summary) for name, spec in CONTROLLERS.items())
-    parts.append(table(("controller", "what it is"), rows))
+    parts.append(table(("controller", "description"), rows))
     for name, spec in CONTROLLERS.items():
         parts += [f"\n## {name}\n", inspect.getdoc(spec.policy) or "", "\n### Settings\n"]
         parts.append(_controller_settings(spec.settings_class))
@@ -202,7 +208,7 @@ def _default(entry: dataclasses.Field[Any]) -> str:
 
 
 def _attributes(text: str, heading: str = "Attributes") -> dict[str, str]:
-    """What a docstring describes under a heading, a description's lines joined."""
+    """Names and descriptions under a heading of a docstring, with the lines of each description joined."""
     described: dict[str, str] = {}
     lines = inspect.cleandoc(text).split(f"{heading}:\n")[1].split("\n\n")[0].splitlines()
     for line in lines:
@@ -249,7 +255,8 @@ def command_line_page() -> str:
         if rows:
             parts.append(table(("option", "default", "meaning"), rows))
     parts.append(
-        "A name that does not exist ends with a message that lists the valid ones and exit code 2.\n"
+        "If a name does not exist, a command ends with a message that lists the valid names and with exit"
+        " code 2.\n"
     )
     return "\n".join(parts)
 

@@ -1,4 +1,4 @@
-"""What the generated pages share."""
+"""Common parts of the generated pages."""
 
 from collections.abc import Iterable, Sequence
 

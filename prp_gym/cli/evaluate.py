@@ -19,7 +19,6 @@ from prp_gym.cli.options import (
     Plugins,
     Settings,
 )
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
@@ -28,6 +27,7 @@ from prp_gym.runs.evaluation_job import list_jobs
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.runs.workers import Workers
 
 _DEFAULT_SCENARIOS = ["report", "randomized"]

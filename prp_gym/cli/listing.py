@@ -11,8 +11,8 @@ from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.options import Plugins
-from prp_gym.cli.terminal import make_console, make_matrix
 from prp_gym.envs.action_mode import TORQUE
+from prp_gym.runs.terminal import make_console, make_matrix
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS

@@ -19,10 +19,10 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.artifacts import prepare_folder, to_plain, write_file
 from prp_gym.cli.options import Backend, FirstSeed, Plugins
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 SCENARIOS = ("randomized", "realistic")

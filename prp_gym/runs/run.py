@@ -13,8 +13,8 @@ from prp_gym.artifacts import prepare_folder, write_json
 from prp_gym.evaluation.results import describe_run
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Record, run_job
-from prp_gym.runs.progress import make_console, make_progress
 from prp_gym.runs.store import JobStore, JobT
+from prp_gym.runs.terminal import make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 JOBS = "jobs"

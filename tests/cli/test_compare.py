@@ -24,8 +24,7 @@ from prp_gym.evaluation import evaluate
 from prp_gym.runs import run as runs
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Job, JobResult, run_job
-from prp_gym.tuning import TunedController, Validation
-from prp_gym.tuning import tuned_controller as tuned_controller
+from prp_gym.tuning import TunedController, Validation, tuned_controller
 from tests.support.synthetic_agents_to_compare import save
 
 RUNNER = CliRunner()

@@ -52,6 +52,12 @@ def short_episodes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=0.02))
 
 
+@pytest.fixture
+def half_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Episodes that are long enough for scores that differ."""
+    monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=0.5))
+
+
 def test_evaluate_covers_every_job_unless_told_otherwise(short_episodes: None, tmp_path: Path) -> None:
     output = run_evaluate(tmp_path, "--episodes", "1")
     expected = []
@@ -91,7 +97,7 @@ def test_evaluate_writes_what_the_evaluator_finds(tmp_path: Path, scenario: str)
 
 def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     options = ["evaluate", "--env", list_envs()[0], "--scenario", "report", "--episodes", "1"]
-    options += ["--jobs", "1", "--output", str(tmp_path / "a b")]
+    options += ["--baseline", "joint_pd", "--jobs", "1", "--output", str(tmp_path / "a b")]
     monkeypatch.setattr(sys, "argv", ["/somewhere/prp-gym", *options])
     with pytest.raises(SystemExit) as caught:
         main()
@@ -102,7 +108,7 @@ def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: 
     assert set(content["units"]) == set(METRICS)
 
 
-def test_evaluate_prints_whole_tables_best_controller_first(tmp_path: Path) -> None:
+def test_evaluate_prints_whole_tables_best_controller_first(half_a_second: None, tmp_path: Path) -> None:
     output = run_evaluate(tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1")
     assert "…" not in output
     assert max(map(len, output.splitlines())) <= WIDTH
@@ -128,14 +134,16 @@ def test_evaluate_takes_an_option_several_times(short_episodes: None, tmp_path: 
 
 
 @pytest.mark.parametrize("gains", COMMON_SETS)
-def test_evaluate_takes_every_set_that_all_controllers_have(tmp_path: Path, gains: str) -> None:
+def test_evaluate_takes_every_set_that_all_controllers_have(
+    short_episodes: None, tmp_path: Path, gains: str
+) -> None:
     run_evaluate(
         tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1", "--gains", gains
     )
     assert {row["settings"]["gains"] for row in results_of(tmp_path)["evaluations"]} == {gains}
 
 
-def test_evaluate_twice_gives_the_same_numbers(tmp_path: Path) -> None:
+def test_evaluate_twice_gives_the_same_numbers(half_a_second: None, tmp_path: Path) -> None:
     contents = []
     for folder in (tmp_path / "first", tmp_path / "second"):
         run_evaluate(folder, "--env", list_envs()[0], "--scenario", "randomized", "--episodes", "2")

@@ -55,7 +55,12 @@ WORDS = (
     Word(
         "pairs?",
         "job, or what the two are",
-        ("pairs? of", "(contact|geom|collision) pairs?", "<pair", r"pair (sol|geom|friction|margin|dim)\w*"),
+        (
+            "pairs? of",
+            "(contact|geom|collision) pairs?",
+            "pair name",
+            r"pair (sol|geom|friction|margin|dim)\w*",
+        ),
     ),
     Word(
         "places?",
@@ -96,6 +101,9 @@ DANGLING = re.compile(r"(of|by|for|from|with|at|to|in|on|as|which|whose|who) ", 
 """How a description begins that needs the name before it."""
 
 CLEAN = (
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "Makefile",
     "README.md",
     "bench/",
     "docs/errata.md",
@@ -112,7 +120,7 @@ CLEAN = (
 )
 """Folders and files that are held to the list."""
 
-FORMER_NAMES: dict[str, tuple[str, ...]] = {}
+FORMER_NAMES: dict[str, tuple[str, ...]] = {"CHANGELOG.md": ("make pictures",)}
 """Names that stay for a release with a `DeprecationWarning`, by the file that may still write them."""
 
 

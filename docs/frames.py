@@ -1,4 +1,4 @@
-"""The pictures of the documentation: `make pictures`.
+"""Frames of simulations for the documentation: `make frames`.
 
 Pixels depend on the machine's OpenGL, so that no test compares them.
 """
@@ -12,19 +12,19 @@ import prp_gym
 
 FOLDER = Path(__file__).parent / "images"
 SIZE = (640, 480)
-PICTURES = (
+FRAMES = (
     ("overview", "PRP-JointTracking-v0", "joint_inverse_dynamics", "randomized", 7, 0.7),
     ("top", "PRP-JointTracking-v0", "joint_inverse_dynamics", "randomized", 7, 0.7),
     ("contact", "PRP-Impedance-v0", "impedance", "report", 0, 1.2),
     ("force", "PRP-ForcePosition-v0", "parallel_force_position", "randomized", 5, 2.0),
 )
-"""Name, environment, law, scenario, seed, and when in the episode [s]."""
+"""Name, environment, controller, scenario, seed, and time in the episode [s]."""
 
 
 def main() -> None:
-    """Draw every picture; the name of a camera stands for itself, the others are seen from the overview."""
+    """Render every frame; the one called `top` is seen by the camera `top`, the others by `overview`."""
     FOLDER.mkdir(exist_ok=True)
-    for name, environment_id, controller, scenario, seed, seconds in PICTURES:
+    for name, environment_id, controller, scenario, seed, seconds in FRAMES:
         width, height = SIZE
         env = gymnasium.make(
             environment_id,

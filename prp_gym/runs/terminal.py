@@ -3,13 +3,27 @@
 from collections.abc import Iterable, Sequence
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from prp_gym.runs.progress import TABLE_WIDTH, make_console, make_progress
-
-__all__ = ["TABLE_WIDTH", "make_console", "make_matrix", "make_progress"]
+TABLE_WIDTH = 120
+"""Columns for which tables are made."""
 
 _GAP = 1  # between columns of a matrix
+
+
+def make_console(stderr: bool = False, least: int = 0) -> Console:
+    """A console of the terminal's width, or of 120 columns without one; a table may need it wider."""
+    made = Console(stderr=stderr)
+    made.width = max(made.width if made.is_terminal else TABLE_WIDTH, least)
+    return made
+
+
+def make_progress() -> Progress:
+    """A bar that counts, and leaves nothing behind."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, console=make_console(stderr=True), transient=True)
 
 
 def make_matrix(
