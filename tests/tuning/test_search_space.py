@@ -54,7 +54,7 @@ def test_centre_is_the_tuned_set_exactly(controller: str, environment_id: str) -
         np.testing.assert_array_equal(vars(made.settings)[name], value, err_msg=name)
 
 
-@pytest.mark.parametrize(("environment_id", "controller"), COVERING, ids=map("-".join, COVERING))
+@pytest.mark.parametrize(("environment_id", "controller"), COMBINATIONS, ids=map("-".join, COMBINATIONS))
 def test_every_corner_is_a_law_with_finite_actions(controller: str, environment_id: str) -> None:
     env, space = environment(environment_id), space_of(controller, environment_id)
     observation, _ = env.reset(seed=1)
