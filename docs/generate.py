@@ -79,7 +79,7 @@ def _vector_keywords() -> str:
     rows = [
         (f"`{name}`", f"`{getattr(entry.default, 'value', entry.default)!r}`", meanings[name])
         for name, entry in inspect.signature(PRPVectorEnv).parameters.items()
-        if entry.kind is not inspect.Parameter.VAR_KEYWORD
+        if entry.kind is not entry.VAR_KEYWORD and entry.default is not entry.empty
     ]
     about = " ".join(text.split("\n\n")[1].split())
     intro = f"`gymnasium.make_vec(id, num_envs=N, ...)` makes a `PRPVectorEnv`. {about}\n"
@@ -154,8 +154,8 @@ def _observation(env: PRPEnv) -> str:
 
 def _reward(env: PRPEnv) -> str:
     text = (
-        "The reward of a step is dt Σ w κ(‖e/s‖) with κ(z) = 1/(1 + z). The score is the return divided by the"
-        " duration.\n\n"
+        "The reward of a step is dt Σ w κ(‖e/s‖) with κ(z) = 1/(1 + z). The score is the return divided by"
+        " the duration.\n\n"
     )
     rows = [
         (f"`{t.name}`", f"{t.weight:g}", numbers(t.scale), ", ".join(t.unit)) for t in env.task.numbers.reward

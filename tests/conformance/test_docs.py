@@ -14,10 +14,14 @@ def test_generated_page_is_up_to_date(name: str) -> None:
     assert (FOLDER / name).read_text(encoding="utf-8") == PAGES[name](), "run `make docs`"
 
 
-def test_readme_starts_with_the_commands() -> None:
+def test_readme_starts_with_installation_and_commands() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    first_block = text.split("```")[1]
-    assert [line.split("#")[0].strip() for line in first_block.splitlines()[1:] if line] == [
+    blocks = text.split("```")[1:4:2]
+    assert [line.split("#")[0].strip() for block in blocks for line in block.splitlines()[1:] if line] == [
+        "git clone REPOSITORY prp_gym",
+        "cd prp_gym",
+        "make install",
+        "source .venv/bin/activate",
         "make evaluate",
         "make test",
         "make reproduce",
