@@ -18,12 +18,15 @@ from prp_gym.errors import (
     MissingPackageError,
     NonFiniteError,
     OutputError,
+    PluginError,
+    PolicyOutputError,
     PRPError,
     RenderingError,
     RunFolderError,
     ShapeError,
     UnknownNameError,
     UnreachableError,
+    UserCodeError,
 )
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
@@ -41,6 +44,9 @@ WITH_FACTS = [
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
     GainsFileError("my.toml", "No such file or directory"),
+    PluginError("my_tasks", "no such module", "my_tasks.py", 3),
+    UserCodeError("my_controller.py", 12, "ValueError: no gains", "PRP-Force-v0"),
+    PolicyOutputError("MyPolicy", "a list", (3,)),
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
 ]
@@ -69,7 +75,8 @@ def test_examples_cover_every_class_of_the_module() -> None:
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
     of_a_state = (
-        CheckpointError | EpisodeError | MissingPackageError | OutputError | RenderingError | RunFolderError
+        *(CheckpointError, EpisodeError, MissingPackageError, OutputError, PluginError),
+        *(RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 

@@ -1,6 +1,7 @@
 """The keywords of the environments: what they mean, and what each refuses, with its facts."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
+from prp_gym.envs.action_mode import list_action_modes
 from prp_gym.envs.config import (
     RENDER_MODES,
     SUBSTEPS_PER_SECOND,
@@ -153,14 +155,12 @@ def test_torque_limit_by_an_unknown_word_is_refused() -> None:
     ("keyword", "valid"),
     [
         ("scenario", SCENARIOS),
-        ("action_mode", ("torque",)),
+        ("action_mode", list_action_modes()),
         ("render_mode", RENDER_MODES),
         ("camera", CAMERAS),
     ],
 )
-def test_name_that_does_not_exist_is_refused_with_the_valid_ones(
-    keyword: str, valid: tuple[str, ...]
-) -> None:
+def test_name_that_does_not_exist_is_refused_with_the_valid_ones(keyword: str, valid: Sequence[str]) -> None:
     wrong = f"{valid[0]}_"
     with pytest.raises(UnknownNameError, match=f"unknown {keyword} '{wrong}'") as caught:
         replace(EnvConfig(), **{keyword: wrong})  # type: ignore[arg-type]

@@ -209,7 +209,9 @@ def test_start_at_home_leaves_the_reference_as_it_is() -> None:
 
 @pytest.mark.parametrize("scenario", ["randomized", "realistic"])
 def test_start_at_home_is_refused_where_the_surface_is_drawn(scenario: str) -> None:
-    with pytest.raises(InvalidValueError, match=r"start is 'home'; allowed: 'goal': .*scenario 'report'"):
+    with pytest.raises(
+        InvalidValueError, match=r"start is 'home'; allowed: 'goal' in this scenario: .*scenario 'report'"
+    ):
         gymnasium.make(FORCE_POSITION, scenario=scenario, start="home")
 
 
