@@ -28,7 +28,7 @@ class Outcome:
         aggregates: families of policies over their tasks.
         efforts: learning effort of the trained and tuned policies.
         audits: reward against physical error, under conditions whose task declares one.
-        seed: of every bootstrap.
+        seed: random seed of every bootstrap.
     """
 
     conditions: tuple[Condition, ...]
@@ -44,7 +44,7 @@ class Outcome:
 
         Args:
             records: one for each policy, condition and training seed.
-            seed: of every bootstrap.
+            seed: random seed of every bootstrap.
 
         Raises:
             InvalidValueError: policies that were evaluated on different episodes.

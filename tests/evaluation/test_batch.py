@@ -166,7 +166,7 @@ def test_later_episodes_of_a_row_that_diverged_leave_no_trace() -> None:
     env.close()
 
 
-def test_policy_is_asked_for_all_and_timed_on_one() -> None:
+def test_policy_acts_on_all_observations_and_is_timed_on_one() -> None:
     env = make(TRACKING, duration=1.0, scenario="randomized")
     spy = Spy(make_baseline("joint_pd", env))
     size = env.observation_space.shape[0]

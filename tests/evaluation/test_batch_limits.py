@@ -64,8 +64,8 @@ class Recurrent:
         return (action[0] if np.ndim(observation) == 1 else action).astype(np.float32), state
 
 
-class Remembering(Recurrent):
-    """The same with its state in a dictionary."""
+class DictionaryRecurrent(Recurrent):
+    """The recurrent policy with its state in a dictionary."""
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
@@ -134,11 +134,11 @@ def test_at_most_sixty_four_episodes_are_run_side_by_side() -> None:
     assert sizes == [64, 64, 64, 64, 2, 2]
 
 
-@pytest.mark.parametrize("kind", [Recurrent, Remembering])
+@pytest.mark.parametrize("kind", [Recurrent, DictionaryRecurrent])
 def test_recurrent_policy_keeps_its_state_and_is_timed_on_first_actions(kind: type[Recurrent]) -> None:
     env, policy = own(PRPEnv), kind()
     rollouts = record_episodes(policy, env, range(5))
-    # asked for the first action once for all episodes, and once a step, 50 of them, to be timed
+    # it computes a first action once for all episodes, and again at each of the 50 timed steps
     assert sorted(policy.first) == [1] * 50 + [5]
     count = np.arange(1, 51)[:, None] * np.ones(JOINTS)
     limit = env.torque_limit
