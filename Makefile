@@ -17,7 +17,7 @@ reproduce: $(VENV)/.core
 	$(BIN)/prp-gym reproduce
 
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 mutants: $(VENV)/.dev
 	$(BIN)/python -m bench.mutants

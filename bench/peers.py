@@ -11,7 +11,7 @@ from typing import Any
 
 from bench.process import Measuring, ProcessError, last_line
 from bench.rounds import Contender, Label
-from prp_gym.evaluation.results import write_json
+from prp_gym.artifacts import write_json
 
 FOLDER = Path(".venv-peers")
 _CHILD = Path(__file__).with_name("peer_child.py")

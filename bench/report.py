@@ -12,7 +12,7 @@ from bench.goals import Goal, goals
 from bench.plot import draw
 from bench.sheets import Sheet, sheets
 from bench.single import ACTION_COUNT, ACTION_SHARE
-from prp_gym.evaluation.results import write_file
+from prp_gym.artifacts import write_file
 
 Results = Mapping[str, Any]
 

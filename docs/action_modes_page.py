@@ -74,9 +74,8 @@ def modes_of(layout: ObservationLayout) -> list[str]:
 
 def _entries() -> list[tuple[str, str, str, tuple[ActionField, ...]]]:
     """Name, controller, summary and fields of every mode."""
-    entries: list[tuple[str, str, str, tuple[ActionField, ...]]] = [
-        (TORQUE, "", "is the joint torques", (torque_field(np.array(_LIMIT)),))
-    ]
+    torque: tuple[ActionField, ...] = (torque_field(np.array(_LIMIT)),)
+    entries = [(TORQUE, "", "is the joint torques", torque)]
     for spec in ACTION_MODES.values():
         inside = spec.entry.controller
         shown = "any that runs there" if inside == ANY_CONTROLLER else f"`{inside}`" if inside else ""

@@ -193,7 +193,7 @@ def register_action_mode(spec: ActionModeSpec) -> ActionModeSpec:
         InvalidValueError: a name that another mode has, or that cannot be a file's name; a revision below 1.
     """
     if spec.name == TORQUE:
-        raise InvalidValueError("name of an action mode", spec.name, "one that no other action mode has")
+        raise InvalidValueError("name of action_mode", spec.name, "one that no other action_mode has")
     return ACTION_MODES.register(spec)
 
 

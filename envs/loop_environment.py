@@ -22,8 +22,9 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
 from prp_gym.tasks.fields import ObservationLayout
+from prp_gym.tasks.setup import TaskNumbers, TaskSetup
 from prp_gym.tasks.spec import TaskSpec
-from prp_gym.tasks.task import Task, TaskNumbers, TaskSetup
+from prp_gym.tasks.task import Task
 
 TaskMaker = Callable[[EnvConfig], Task]
 

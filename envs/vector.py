@@ -42,7 +42,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
     Args:
         task: Id of a registered task, such as `PRP-Force-v0`.
         num_envs: Number of environments N.
-        num_threads: Number of threads of the physics; 0 takes all cores, at most one for four environments.
+        num_threads: Number of threads of the physics; 0 takes all cores, at least four environments on each.
         autoreset_mode: When an environment is reset after the end of its episode: in the next step
             (`NextStep`), in the same step (`SameStep`; the last observation is `info["final_obs"]`), or when
             `reset` is called with `options={"reset_mask": ...}` (`Disabled`).

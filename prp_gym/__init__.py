@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from prp_gym.envs.action_mode import ActionModeSpec, register_action_mode
     from prp_gym.evaluation.evaluate import evaluate
     from prp_gym.evaluation.metrics import register_metric
+    from prp_gym.plugins import load_plugins
 
 __version__ = "0.1.0"
 
@@ -44,6 +45,7 @@ __all__ = [
     "list_baselines",
     "list_envs",
     "load_agent",
+    "load_plugins",
     "make_baseline",
     "make_sb3_vec_env",
     "register_action_mode",
@@ -61,6 +63,7 @@ _IMPORTED_ON_USE = {
     "list_agents": "prp_gym.agents.policy.agent_file",
     "list_baselines": "prp_gym.baselines.base.make",
     "load_agent": "prp_gym.agents.policy.agent_file",
+    "load_plugins": "prp_gym.plugins",
     "make_baseline": "prp_gym.baselines.base.make",
     "make_sb3_vec_env": "prp_gym.agents.sb3.make_vec_env",
     "register_algorithm": "prp_gym.agents.algorithms",

@@ -64,8 +64,8 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file so that it is either whole or not there.
 
     Args:
-        path: of the file; its folder is made if it does not exist.
-        content: anything `to_plain` takes.
+        path: path of the file; its folder is made if it does not exist.
+        content: value of any kind that `to_plain` takes.
 
     Raises:
         OutputError: the folder cannot be made or written to.
@@ -78,8 +78,8 @@ def write_file(path: Path, content: bytes) -> None:
     """Write a file so that it is either whole or not there.
 
     Args:
-        path: of the file; its folder is made if it does not exist.
-        content: of the file.
+        path: path of the file; its folder is made if it does not exist.
+        content: bytes of the file.
 
     Raises:
         OutputError: the folder cannot be made or written to.
@@ -100,7 +100,7 @@ def read_json(path: Path) -> Any:
     """The content of a strict JSON file.
 
     Args:
-        path: of the file.
+        path: path of the file.
 
     Raises:
         InvalidValueError: a file that cannot be read or is not strict JSON; it says why.

@@ -7,9 +7,9 @@ from pathlib import Path
 from prp_gym.agents.policy.agent_tensors import digest, pack_tensors, unpack_tensors
 from prp_gym.agents.policy.card_file import pack_card, unpack_card
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
+from prp_gym.artifacts import write_file
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, UnknownNameError
-from prp_gym.evaluation.results import write_file
 from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"

@@ -7,8 +7,8 @@ from typing import Any
 
 from prp_gym.agents.policy.agent_card import FORMAT, AgentCard
 from prp_gym.agents.policy.strict_json import StrictReader, parse_json
+from prp_gym.artifacts import to_plain
 from prp_gym.errors import AgentFileError
-from prp_gym.evaluation.results import to_plain
 
 _KEYS = {"format", "card", "checksum"}
 

@@ -15,8 +15,8 @@ import torch
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.model import Learner
 from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState, Violations
+from prp_gym.artifacts import to_plain
 from prp_gym.errors import CheckpointError, OutputError
-from prp_gym.evaluation.results import to_plain
 
 _PREFIX = "checkpoint-"
 _STATE, _TENSORS, _ARRAYS, _REPLAY = "state.json", "tensors.pt", "arrays.npz", "replay.npz"

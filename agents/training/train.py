@@ -24,8 +24,8 @@ from prp_gym.agents.training.progress import Milestones, TrainingProgress
 from prp_gym.agents.training.recipes import FIRST_HELD_OUT_SEED, Recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import CurveRow, TrainingState
+from prp_gym.artifacts import write_json
 from prp_gym.errors import RunFolderError
-from prp_gym.evaluation.results import write_json
 
 ON_EXISTING = ("refuse", "resume", "fresh")
 

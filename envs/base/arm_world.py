@@ -16,7 +16,7 @@ from prp_gym.robot.parameters import JOINT_UNITS, NOMINAL
 from prp_gym.tasks.fields import SPEED_BOUND
 from prp_gym.tasks.parts import ResetOption, StartT, World
 from prp_gym.tasks.scenario import PlantDraw
-from prp_gym.tasks.task import TaskSetup
+from prp_gym.tasks.setup import TaskSetup
 
 _ROUNDING = 1e-6  # [rad] or [m]: spares limits in single precision and sums that end on a limit
 

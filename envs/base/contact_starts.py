@@ -17,7 +17,7 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import CONTACT_FORCE, MEASURED_FIELDS
 from prp_gym.tasks.parts import EpisodeStart, StartSampler
-from prp_gym.tasks.task import TaskSetup
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Trajectory
 
 ContactPath = Callable[[Array, Array, Array], Trajectory]

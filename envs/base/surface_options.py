@@ -22,6 +22,9 @@ SURFACE_OPTIONS = {
     ),
 }
 
+_DRAWN = "drawn at every reset"
+_AT_CONTACT = "that at the drawn contact point"
+
 SURFACE_BOUNDS = {
     "surface_stiffness": (1e-3, 1e5),
     "surface_damping": (0.0, 1e3),
@@ -30,9 +33,9 @@ SURFACE_BOUNDS = {
 """Allowed values of a surface, for which observed forces stay within their declared bounds."""
 
 
-def _surface(name: str) -> dict[str, str]:
+def _surface(name: str, default: str) -> dict[str, str]:
     option = SURFACE_OPTIONS[name]
-    return describe(option.unit, option.description + "; drawn at every reset if None")
+    return describe(option.unit, f"{option.description}; {default} if None")
 
 
 @dataclass(frozen=True)
@@ -44,12 +47,12 @@ class SurfaceOptions:
         ShapeError: a normal without three components.
     """
 
-    surface_stiffness: float | None = field(default=None, metadata=_surface("surface_stiffness"))
-    surface_damping: float | None = field(default=None, metadata=_surface("surface_damping"))
+    surface_stiffness: float | None = field(default=None, metadata=_surface("surface_stiffness", _DRAWN))
+    surface_damping: float | None = field(default=None, metadata=_surface("surface_damping", _DRAWN))
     surface_normal: tuple[float, float, float] | None = field(
-        default=None, metadata=_surface("surface_normal")
+        default=None, metadata=_surface("surface_normal", _AT_CONTACT)
     )
-    surface_offset: float | None = field(default=None, metadata=_surface("surface_offset"))
+    surface_offset: float | None = field(default=None, metadata=_surface("surface_offset", _AT_CONTACT))
 
     def __post_init__(self) -> None:
         for name, value in self.given().items():

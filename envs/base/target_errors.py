@@ -10,8 +10,8 @@ from prp_gym.envs.base.motion_errors import stack_errors
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import MODEL_POSE, Field, ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.target_model import TargetModel
-from prp_gym.tasks.task import TaskSetup
 
 
 class TargetErrors(ErrorFunction):

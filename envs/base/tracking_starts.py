@@ -12,7 +12,7 @@ from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, StartSampler
-from prp_gym.tasks.task import TaskSetup
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Sine, Trajectory
 
 STARTS = ("scenario", "first_waypoint", "home")

@@ -20,10 +20,18 @@ from prp_gym.physics.rendering import OverlayItem
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
 from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND, Field
-from prp_gym.tasks.parts import EpisodeStart, ErrorFunction, Reference, ResetOption, StartSampler, World
+from prp_gym.tasks.parts import (
+    EpisodeStart,
+    ErrorFunction,
+    Reference,
+    ResetOption,
+    StartSampler,
+    TaskParts,
+    World,
+)
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
-from prp_gym.tasks.task import TaskParts, TaskSetup
 from prp_gym.tasks.trajectory import Sine, SquareAcceleration, Trajectory
 
 REFERENCES = ("sine", "square")

@@ -10,9 +10,10 @@ from prp_gym.envs.base.target_errors import DynamicTargetErrors
 from prp_gym.envs.base.target_options import TargetOptions
 from prp_gym.envs.config import describe
 from prp_gym.errors import UnknownNameError
+from prp_gym.tasks.parts import TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
-from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 REFERENCES = ("return", "hold")
 

@@ -7,9 +7,10 @@ from prp_gym.envs.base.references import PoseSpaceReference
 from prp_gym.envs.base.scoring import TARGET_SCORING
 from prp_gym.envs.base.target_errors import StaticTargetErrors
 from prp_gym.envs.base.target_options import StiffnessOptions
+from prp_gym.tasks.parts import TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
-from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
 def compose(setup: TaskSetup) -> TaskParts:

@@ -7,9 +7,10 @@ from prp_gym.envs.base.force_errors import ForceErrors
 from prp_gym.envs.base.force_options import ForceOptions, NormalForce
 from prp_gym.envs.base.references import ForceAndPoseReference
 from prp_gym.envs.base.scoring import FORCE_SCORING
+from prp_gym.tasks.parts import TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
-from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
 def compose(setup: TaskSetup) -> TaskParts:

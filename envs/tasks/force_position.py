@@ -17,9 +17,10 @@ from prp_gym.envs.config import describe
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.parts import TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
-from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 from prp_gym.tasks.trajectory import QuinticWaypoints, Trajectory
 
 STARTS = ("goal", "home")

@@ -7,10 +7,10 @@ from prp_gym.envs.base.motion_errors import JointErrors
 from prp_gym.envs.base.references import JointSpaceReference
 from prp_gym.envs.base.scoring import JOINT_SCORING
 from prp_gym.envs.base.tracking_starts import ConstantSampler, TrackingStarts
-from prp_gym.tasks.parts import EpisodeStart
+from prp_gym.tasks.parts import EpisodeStart, TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
-from prp_gym.tasks.task import TaskParts, TaskSetup, observed_layout
 
 
 def compose(setup: TaskSetup) -> TaskParts:

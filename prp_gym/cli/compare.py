@@ -17,7 +17,6 @@ from prp_gym.cli.options import (
     Plugins,
     Settings,
 )
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console
 from prp_gym.comparison.agents import find_agents
 from prp_gym.comparison.learning_plots import draw_learning
 from prp_gym.comparison.listing import list_comparison_jobs
@@ -35,6 +34,7 @@ from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
 
 _DEFAULT_SCENARIOS = ["randomized", "realistic"]
@@ -107,8 +107,8 @@ def _draw(outcome: Outcome, folder: Path) -> None:
 def _show(outcome: Outcome, run: Run) -> None:
     """Print the tables, and what to know of them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for place in outcome.conditions:
-        console.print(condition_table(place, outcome.seed))
+    for condition in outcome.conditions:
+        console.print(condition_table(condition, outcome.seed))
     notes = [
         "score: interquartile mean over episodes, and training seeds, of return/duration, 1 is perfect; its "
         "95 % interval is over both. Other figures are medians."

@@ -19,7 +19,6 @@ from prp_gym.cli.options import (
     Plugins,
     Settings,
 )
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import Row, evaluation_table
@@ -28,6 +27,7 @@ from prp_gym.runs.evaluation_job import list_jobs
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.runs.workers import Workers
 
 _DEFAULT_SCENARIOS = ["report", "randomized"]
@@ -98,7 +98,7 @@ def _scores(records: list[Record]) -> list[Table]:
     ids = list(dict.fromkeys(record["environment"] for record in records))
     if len(ids) == 1:
         return []
-    tables = []
+    tables: list[Table] = []
     for scenario in dict.fromkeys(record["scenario"] for record in records):
         rows = []
         for environment_id in ids:
@@ -106,5 +106,5 @@ def _scores(records: list[Record]) -> list[Table]:
             best = max(value for value in own if value is not None)
             cells = ["-" if v is None else f"{v:.3f}" + ("*" if v == best else " ") for v in own]
             rows.append((environment_id, cells))
-        tables.append(make_matrix(f"score, scenario {scenario} (* best)", controllers, rows))
+        tables += make_matrix(f"score, scenario {scenario} (* best)", controllers, rows)
     return tables

@@ -39,7 +39,7 @@ def export_command(
 ) -> None:
     """Convert a model of Stable-Baselines3 into an agent's files, which hold no code.
 
-    Stable-Baselines3 saves with pickle: whoever wrote such a file can run any code on the machine that opens
+    Stable-Baselines3 saves with pickle: who wrote such a file can run any code on the machine that opens
     it. So it is opened only if you say that you trust its author.
     """
     if not trust:

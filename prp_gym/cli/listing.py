@@ -11,23 +11,29 @@ from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.options import Plugins
-from prp_gym.cli.terminal import make_console, make_matrix
 from prp_gym.envs.action_mode import TORQUE
+from prp_gym.runs.terminal import make_console, make_matrix
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
 
 
 def list_command(
-    matrix: Annotated[bool, typer.Option("--matrix", help="Show which law runs where, and why not.")] = False,
-    modes: Annotated[bool, typer.Option("--modes", help="Show what actions can mean, and where.")] = False,
+    matrix: Annotated[
+        bool,
+        typer.Option("--matrix", help="Show which controller runs on which environment, or why it does not."),
+    ] = False,
+    modes: Annotated[
+        bool, typer.Option("--modes", help="Show the action modes and their environments.")
+    ] = False,
     plugin: Plugins = None,
 ) -> None:
-    """Show environments, laws and scenarios, or which law runs where, or what actions can mean."""
+    """Show environments, controllers and scenarios; which controller runs where; or the action modes."""
     console = make_console()
     layouts = _layouts()
     if matrix:
-        console.print(_matrix(layouts))
+        for table in _matrix(layouts):
+            console.print(table)
         for reason in _reasons(layouts):
             console.print(reason)
     if modes:
@@ -39,7 +45,7 @@ def list_command(
 
 
 def _layouts() -> dict[str, ObservationLayout]:
-    """What every environment observes, by id."""
+    """Observation layout of every environment, by id."""
     layouts = {}
     for entry in TASKS.values():
         made = gymnasium.make(entry.id)
@@ -63,14 +69,14 @@ def _environments(layouts: dict[str, ObservationLayout]) -> Table:
 
 
 def _controllers() -> Table:
-    table = _table("controllers", ("controller", "what it is", "gain sets"))
+    table = _table("controllers", ("controller", "summary", "gain sets"))
     for name, controller in BASELINES.items():
         table.add_row(name, controller.summary, ", ".join(gain_sets(name)))
     return table
 
 
 def _modes(layouts: dict[str, ObservationLayout]) -> Table:
-    table = _table("action modes", ("mode", "inner law", "an action", "environments"))
+    table = _table("action modes", ("mode", "inner controller", "an action", "environments"))
     where = {name: list_action_modes(layout) for name, layout in layouts.items()}
     table.add_row(TORQUE, "", "is the joint torques", "all")
     for spec in ACTION_MODES.values():
@@ -81,16 +87,16 @@ def _modes(layouts: dict[str, ObservationLayout]) -> Table:
     return table
 
 
-def _matrix(layouts: dict[str, ObservationLayout]) -> Table:
+def _matrix(layouts: dict[str, ObservationLayout]) -> list[Table]:
     rows = (
         (name, ["-" if controller.missing_fields(layout) else "yes" for controller in BASELINES.values()])
         for name, layout in layouts.items()
     )
-    return make_matrix("which law runs where", BASELINES, rows)
+    return make_matrix("controllers by environment", BASELINES, rows)
 
 
 def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:
-    """What is read by some laws and not given by some environments."""
+    """Fields that some controllers read and some environments do not observe."""
     lacking: dict[str, tuple[list[str], list[str]]] = {}
     for environment_id, layout in layouts.items():
         for name, controller in BASELINES.items():
@@ -99,6 +105,6 @@ def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:
                 controllers += [name] * (name not in controllers)
                 conditions += [environment_id] * (environment_id not in conditions)
     return [
-        f"{field}: read by {', '.join(controllers)}; not given by {', '.join(conditions)}"
+        f"{field}: read by {', '.join(controllers)}; not observed by {', '.join(conditions)}"
         for field, (controllers, conditions) in lacking.items()
     ]

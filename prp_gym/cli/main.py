@@ -12,10 +12,10 @@ from prp_gym.cli.export import export_command
 from prp_gym.cli.listing import list_command
 from prp_gym.cli.reproduce import reproduce_command
 from prp_gym.cli.ship import ship_command
-from prp_gym.cli.terminal import make_console
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.errors import PRPError
+from prp_gym.runs.terminal import make_console
 
 _USAGE_ERROR = 2
 

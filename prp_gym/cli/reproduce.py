@@ -9,13 +9,13 @@ import typer
 
 from prp_gym.artifacts import prepare_folder
 from prp_gym.cli.options import Plugins
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
 from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
 from prp_gym.reproduction.report import write_figure, write_index, write_summary
 from prp_gym.reproduction.run import RecordedRun, check_names, record_run
 from prp_gym.reproduction.table import answers_table, verdict_table
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 
 _FAILED = 1
 

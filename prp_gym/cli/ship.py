@@ -19,10 +19,10 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.artifacts import prepare_folder, to_plain, write_file
 from prp_gym.cli.options import Backend, FirstSeed, Plugins
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 SCENARIOS = ("randomized", "realistic")
@@ -41,7 +41,7 @@ def ship_command(
     episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.")] = 100,
     seed: FirstSeed = 0,
     jobs: Annotated[
-        int, typer.Option(help="Agents at once; 1: in this process, 0: as many as there are cores.")
+        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
     ] = 0,
     backend: Backend = "loky",
     allow_missing: Annotated[
@@ -204,7 +204,7 @@ def _leftovers(output: Path, wanted: Sequence[Candidate]) -> list[str]:
 
 
 def _tell(what: str, names: Sequence[str]) -> None:
-    """Name on standard error what whoever ships should look at."""
+    """Name on standard error what should be looked at before the agents are shipped."""
     if names:
         console = make_console(stderr=True)
         for line in (f"{what}:", *(f"  {name}" for name in names)):

@@ -14,9 +14,9 @@ from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.cli.options import Backend, Plugins
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console
 from prp_gym.cli.training_progress import show_results, train_seeds
 from prp_gym.errors import InvalidValueError
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def train_command(
         bool | None, typer.Option(help="Write TensorBoard's files. Default: unless --shipped.")
     ] = None,
     jobs: Annotated[
-        int, typer.Option(help="Seeds at once; 1: in this process, 0: as many as there are cores.")
+        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
     ] = 0,
     backend: Backend = "loky",
     plugin: Plugins = None,

@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.progress import Progress
 from rich.table import Table
 
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 if TYPE_CHECKING:

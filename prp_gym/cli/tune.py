@@ -17,11 +17,11 @@ from rich.table import Table
 import prp_gym
 from prp_gym.artifacts import list_versions, to_plain, write_json
 from prp_gym.cli.options import Plugins, Settings
-from prp_gym.cli.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice
 from prp_gym.runs.code import running_code
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.tuning_candidates import choose_controller, list_candidates, with_start_gains
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.candidates import Candidates

@@ -22,13 +22,13 @@ class AgentFile:
     """An agent of one training seed.
 
     Attributes:
-        path: of its files, without suffix.
-        sha256: over both files.
+        path: path of the agent's files, without suffix.
+        sha256: SHA-256 digest over both files.
         group: name that it shares with the agents of other training seeds.
-        environment_id: in which it was trained.
-        mode: action mode in which it was trained.
-        control_frequency: of the environment [Hz].
-        training_seed: random seed of its training.
+        environment_id: id of the environment in which the agent was trained.
+        mode: action mode in which the agent was trained.
+        control_frequency: control frequency of the environment [Hz].
+        training_seed: random seed of the agent's training.
     """
 
     path: str
@@ -92,8 +92,8 @@ def find_agents(environment_ids: Sequence[str], paths: Sequence[Path]) -> list[A
     """The agents that come with the package for some environments, and those that are given by path.
 
     Args:
-        environment_ids: chosen environments.
-        paths: of an agent's files, with or without suffix, or of a folder of training seeds `seed_<k>`.
+        environment_ids: ids of the chosen environments.
+        paths: paths of agents' files, with or without suffix, or of folders of training seeds `seed_<k>`.
 
     Returns:
         agents of every training seed; groups of one name on one environment are told apart by a number.
@@ -122,7 +122,7 @@ def _shipped(environment_ids: Sequence[str]) -> Iterable[tuple[str, list[Path]]]
 
 
 def _given(path: Path) -> tuple[str, list[Path]]:
-    """Name and agents of a path that was asked for.
+    """Name and agents of a path that the user gave.
 
     Raises:
         InvalidValueError: there are none.

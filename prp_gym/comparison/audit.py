@@ -32,7 +32,7 @@ class Audit:
         environment_id: id of the environment.
         scenario: name of the scenario.
         physical_error: name of the task's physical error.
-        reason: why it is this error.
+        reason: why this error measures success in the task.
         policies: score and physical error by the name of the policy.
         correlation: Spearman's rank correlation between the score and the smallness of the error; 1 if both
             rank the policies alike. Its 95 % interval is over the episodes, for these policies.
@@ -57,8 +57,8 @@ def audit_rewards(conditions: Iterable[Condition], seed: int) -> list[Audit]:
     Conditions of a task that declares no physical error are left out.
 
     Args:
-        conditions: with their policies.
-        seed: of the bootstrap.
+        conditions: environments and scenarios with their policies.
+        seed: random seed of the bootstrap.
     """
     audits = []
     for condition in conditions:

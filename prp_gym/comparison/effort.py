@@ -37,7 +37,7 @@ def first_reach(history: History, goal: float) -> Reach:
     """When a score is reached for the first time.
 
     Args:
-        history: of training or tuning.
+        history: score in the course of training or tuning.
         goal: score to be reached [1].
     """
     there = np.flatnonzero(history.score >= goal)
@@ -54,14 +54,15 @@ class Effort:
 
     Attributes:
         environment_id: id of the environment.
-        scenario: in which the policy was trained or tuned.
+        scenario: scenario in which the policy was trained or tuned.
         policy: name of the policy.
-        kind: `agent` or `budget`.
+        kind: kind of the policy, `agent` or `budget`.
         goal: score of the best controller in that scenario [1].
         best: median over training seeds of the highest score of each history [1].
         members: number of training seeds.
         reached: number of training seeds that reached the goal.
-        reach: median over the training seeds, infinite if at least half of them never reached the goal.
+        reach: effort until the goal was reached, the median over the training seeds; infinite if at least
+            half of them never reached it.
         budget_seconds: median of the total simulated time [s].
         violations: median of the total number of violations during training; NaN if they were not counted.
     """
@@ -85,7 +86,7 @@ def learning_efforts(conditions: Sequence[Condition]) -> list[Effort]:
     A policy that learned in a scenario for which no controller is compared has no goal and is left out.
 
     Args:
-        conditions: with their policies.
+        conditions: environments and scenarios with their policies.
     """
     goals = {}
     for condition in conditions:

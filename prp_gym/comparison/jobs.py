@@ -35,10 +35,10 @@ class ZeroPolicy:
     """The zero-torque baseline.
 
     Args:
-        size: of an action.
+        size: number of components of an action.
 
     Attributes:
-        batched: `predict` also takes several observations at once.
+        batched: whether `predict` also takes several observations at once.
     """
 
     batched: ClassVar[bool] = True
@@ -108,8 +108,8 @@ def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]
     """A controller's job with each of its other gain sets that is stable at the control frequency.
 
     Args:
-        job: with the gains that are compared.
-        controllers: where controllers come from.
+        job: job of the controller with the gains that are compared.
+        controllers: the controllers that can be made, by name.
     """
     found = []
     with closing(make_environment(job.environment_id, job.scenario, job.control_frequency)) as env:
@@ -128,11 +128,11 @@ class ZeroTorqueJob:
     """The zero-torque baseline on an environment.
 
     Attributes:
-        environment_id: for `gymnasium.make`.
-        scenario: of the environment.
-        control_frequency: of the environment [Hz].
+        environment_id: id of the environment.
+        scenario: name of the scenario.
+        control_frequency: control frequency of the environment [Hz].
         episodes: number of episodes.
-        seed: of the first episode.
+        seed: random seed of the first episode.
     """
 
     environment_id: str
@@ -158,10 +158,10 @@ class BudgetJob:
     """A controller with the settings that tuning at equal budget found, at the same control frequency.
 
     Attributes:
-        tuned: the controller, and how it was tuned.
-        scenario: of the environment.
+        tuned: the tuned controller, with the settings and the history of its tuning.
+        scenario: name of the scenario.
         episodes: number of episodes.
-        seed: of the first episode.
+        seed: random seed of the first episode.
     """
 
     tuned: TunedController
@@ -210,7 +210,7 @@ def find_tuned_controllers(environment_id: str, controllers: Sequence[str]) -> l
 
     Args:
         environment_id: id of the environment.
-        controllers: names.
+        controllers: names of the controllers.
 
     Raises:
         InvalidValueError: a file that is damaged, or of another controller or environment than its name says.
@@ -232,10 +232,10 @@ class AgentJob:
     """A learned agent in a scenario, in its own action mode and at its own control frequency.
 
     Attributes:
-        agent: its file.
-        scenario: of the environment.
+        agent: path and training conditions of the agent.
+        scenario: name of the scenario.
         episodes: number of episodes.
-        seed: of the first episode.
+        seed: random seed of the first episode.
     """
 
     agent: AgentFile

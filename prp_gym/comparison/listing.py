@@ -27,10 +27,10 @@ def list_comparison_jobs(
     """In each condition the controllers, those tuned at equal budget, the agents, and zero torque.
 
     Args:
-        selected: conditions and controllers.
-        agents: of all environments.
+        selected: chosen conditions and controllers.
+        agents: agents to compare, of all environments.
         episodes: number of episodes of each job; a deterministic scenario has one.
-        seed: of the first episode.
+        seed: random seed of the first episode.
         varied: whether every controller is also run with its other gain sets, after all other jobs.
 
     Raises:

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Self
 
+from prp_gym.artifacts import to_plain
 from prp_gym.comparison.audit import Audit, audit_rewards
 from prp_gym.comparison.effort import Effort, learning_efforts
 from prp_gym.comparison.statistics import (
@@ -15,7 +16,6 @@ from prp_gym.comparison.statistics import (
     training_spread,
 )
 from prp_gym.comparison.values import AGENT, Condition, Record, group_conditions
-from prp_gym.evaluation.results import to_plain
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class Outcome:
         aggregates: families of policies over their tasks.
         efforts: learning effort of the trained and tuned policies.
         audits: reward against physical error, under conditions whose task declares one.
-        seed: of every bootstrap.
+        seed: random seed of every bootstrap.
     """
 
     conditions: tuple[Condition, ...]
@@ -44,7 +44,7 @@ class Outcome:
 
         Args:
             records: one for each policy, condition and training seed.
-            seed: of every bootstrap.
+            seed: random seed of every bootstrap.
 
         Raises:
             InvalidValueError: policies that were evaluated on different episodes.

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLORS = {CONTROLLER: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
-"""Of the kinds of policies."""
+"""Colours of the kinds of policies."""
 
 MODE_COLORS = (
     "#d1661f",
@@ -34,7 +34,7 @@ MODE_COLORS = (
     "#e377c2",
     "#555555",
 )
-"""Of agents by action mode."""
+"""Colours of agents, by action mode."""
 
 GRID = "#dddddd"
 _DPI = 100
@@ -88,8 +88,8 @@ def draw_scores(conditions: Sequence[Condition], seed: int) -> bytes:
     """Scores by task: the best of each kind with its 95 % interval, all others as small points.
 
     Args:
-        conditions: with their policies.
-        seed: of the bootstrap.
+        conditions: environments and scenarios with their policies.
+        seed: random seed of the bootstrap.
     """
     scenarios = list(dict.fromkeys(condition.scenario for condition in conditions))
     ids = list(dict.fromkeys(condition.environment_id for condition in conditions))

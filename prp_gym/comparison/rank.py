@@ -43,6 +43,6 @@ def resampled_correlations(x: Array, y: Array) -> Array:
     Returns:
         (resamples), without those in which all of x or all of y are equal.
     """
-    found = np.array([rank_correlation(*pair) for pair in zip(x, y, strict=True)])
+    found = np.array([rank_correlation(first, second) for first, second in zip(x, y, strict=True)])
     defined: Array = found[~np.isnan(found)]
     return defined

@@ -37,7 +37,7 @@ def estimate_score(entry: Entry, seed: int) -> Estimate:
 
     Args:
         entry: a policy under a condition.
-        seed: of the bootstrap.
+        seed: random seed of the bootstrap.
     """
     rng = np.random.default_rng(seed)
     if entry.kind == AGENT:
@@ -60,7 +60,7 @@ class Spread:
     """Scores of agents that differ in their training seed alone.
 
     Attributes:
-        median: over the training seeds, of the interquartile mean of each [1].
+        median: median over the training seeds of the interquartile mean of each [1].
         low: interquartile mean of the worst training seed [1].
         high: interquartile mean of the best training seed [1].
     """
@@ -85,10 +85,11 @@ class PairwiseComparison:
         scenario: name of the scenario.
         controller: name of the best controller of its kind.
         agent: name of the best agent.
-        controller_score: score of the controller.
-        agent_score: score of the agent.
+        controller_score: score of the controller with its interval [1].
+        agent_score: score of the agent with its interval [1].
         difference: score of the agent less that of the controller, paired by evaluation seed [1].
-        probability: that the agent is better on an evaluation seed, averaged over training seeds.
+        probability: probability that the agent is better on an evaluation seed, averaged over training seeds
+            [1].
     """
 
     environment_id: str
@@ -123,8 +124,8 @@ def compare_best(conditions: Iterable[Condition], seed: int) -> list[PairwiseCom
     as much simulated time as the training of an agent takes.
 
     Args:
-        conditions: with their policies.
-        seed: of the bootstrap.
+        conditions: environments and scenarios with their policies.
+        seed: random seed of the bootstrap.
     """
     pairwise_comparisons = []
     for condition, kind in itertools.product(conditions, CLASSICAL):
@@ -160,7 +161,7 @@ class Aggregate:
         family: the best policy of a kind on each task; agents also by action mode.
         tasks: number of tasks.
         score: interquartile mean over the tasks of the interquartile mean on each.
-        reference: the same for the best controller on the same tasks.
+        reference: score of the best controller, aggregated in the same way over the same tasks.
         profile: share of scores above each threshold, with equal weights of the tasks.
     """
 
@@ -176,8 +177,8 @@ def aggregate_tasks(conditions: Sequence[Condition], seed: int) -> list[Aggregat
     """Every family of policies over its tasks, in every scenario.
 
     Args:
-        conditions: with their policies.
-        seed: of the bootstrap.
+        conditions: environments and scenarios with their policies.
+        seed: random seed of the bootstrap.
     """
     found = []
     for scenario in dict.fromkeys(condition.scenario for condition in conditions):

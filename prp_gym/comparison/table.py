@@ -44,8 +44,8 @@ def condition_table(condition: Condition, seed: int) -> Table:
     Controllers with other gains, which take part in the audit alone, are left out.
 
     Args:
-        condition: with its policies.
-        seed: of the bootstrap.
+        condition: environment and scenario with their policies.
+        seed: random seed of the bootstrap.
     """
     title = f"{condition.environment_id}, scenario {condition.scenario}"
     rows = [_row(entry, len(condition.seeds), seed) for entry in condition.entries if entry.kind != VARIED]

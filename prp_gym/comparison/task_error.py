@@ -20,7 +20,7 @@ def physical_errors(entry: Entry, task_error: TaskError) -> Array:
 
     Args:
         entry: a policy under a condition.
-        task_error: of the condition's environment.
+        task_error: physical error that the task of the environment declares.
 
     Returns:
         (rows, evaluation seeds) [1], the sum of the metrics over their scales.

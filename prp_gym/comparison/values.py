@@ -6,8 +6,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from prp_gym.artifacts import to_array
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.results import to_array
 from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]
@@ -35,11 +35,11 @@ class History:
     """The score of a policy in the course of its training or tuning.
 
     Attributes:
-        scenario: in which the policy was trained or tuned.
-        control_frequency: of the policy [Hz].
+        scenario: scenario in which the policy was trained or tuned.
+        control_frequency: control frequency of the policy [Hz].
         steps: number of environment steps up to each point (n), increasing.
         seconds: wall time up to each point (n) [s]; NaN where it was not measured.
-        score: at each point (n) [1].
+        score: score at each point (n) [1].
         violations: number of violations up to each point (n); NaN where they were not counted.
     """
 
@@ -69,13 +69,13 @@ class Entry:
 
     Attributes:
         policy: name of the policy.
-        kind: one of `KINDS`.
-        mode: action mode.
-        training_seeds: one for each row; empty for a policy that was not trained.
-        scores: in every episode, (rows, evaluation seeds) [1].
-        metrics: by name, (rows, evaluation seeds, components).
+        kind: kind of the policy, one of `KINDS`.
+        mode: name of the action mode.
+        training_seeds: training seeds, one for each row; empty for a policy that was not trained.
+        scores: score of every episode, (rows, evaluation seeds) [1].
+        metrics: metrics of every episode by name, (rows, evaluation seeds, components).
         compute_time: median over the rows of the compute time for one action [s].
-        histories: one for each row of a policy that was trained or tuned, else empty.
+        histories: learning histories, one for each row of a policy that was trained or tuned, else empty.
     """
 
     policy: str
@@ -115,7 +115,7 @@ class Condition:
         environment_id: id of the environment.
         scenario: name of the scenario.
         seeds: evaluation seeds, the same for all policies.
-        entries: the policies.
+        entries: the evaluated policies.
     """
 
     environment_id: str

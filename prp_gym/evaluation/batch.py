@@ -38,13 +38,13 @@ def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
 def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> list[Rollout]:
     """Run one episode for each seed, all at once, and record them.
 
-    Each episode is the one that the environment itself would run with that seed. The policy is asked for all
-    actions together; its compute time is measured on single observations from time to time.
+    Each episode is the one that the environment itself would run with that seed. The policy computes all
+    actions in one call; its compute time is measured on single observations from time to time.
 
     Args:
-        policy: whose `predict` takes (N, size) observations.
+        policy: policy whose `predict` takes (N, size) observations.
         env: an environment of this suite; wrappers are passed over.
-        seeds: of the episodes, at least one.
+        seeds: random seeds of the episodes, at least one.
 
     Returns:
         the episodes, in the order of their seeds.

@@ -8,9 +8,9 @@ class Column:
     """How the median of a metric stands in tables.
 
     Attributes:
-        title: above the unit, with line breaks.
-        units: of the shown numbers, one a component; of fewer components the first units.
-        scale: shown number over the metric's own.
+        title: heading above the unit, with line breaks.
+        units: units of the shown numbers, one for each component; fewer components have the first units.
+        scale: ratio of the shown number to the metric's own value.
     """
 
     title: str

@@ -17,10 +17,10 @@ def record_episode(
     """Run one episode and record it.
 
     Args:
-        policy: reads the environment's observations.
+        policy: policy that reads the environment's observations.
         env: an environment of this suite; wrappers must leave observations as they are.
-        seed: of the episode.
-        options: for `reset`.
+        seed: random seed of the episode.
+        options: reset options.
 
     Returns:
         the episode.

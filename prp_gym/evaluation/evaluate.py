@@ -31,8 +31,8 @@ class Evaluation:
     """Recorded episodes of one policy on one environment.
 
     Attributes:
-        rollouts: one for each episode, in the order of their seeds.
-        seed: of the first episode; it also seeds the bootstrap.
+        rollouts: recorded episodes, in the order of their seeds.
+        seed: random seed of the first episode; it also seeds the bootstrap.
     """
 
     rollouts: Sequence[Rollout]
@@ -80,16 +80,16 @@ def evaluate(
     episode. A deterministic scenario is run once: more episodes would be copies.
 
     The episodes are simulated side by side if the policy takes several observations at once, as those of this
-    suite and of Stable-Baselines3 do, and if no wrapper changes what it observes or does. Any other policy is
-    asked one observation at a time, episode after episode, unless it has the attribute `batched = True`.
+    suite and of Stable-Baselines3 do, and if no wrapper changes what it observes or does. Any other policy
+    gets one observation at a time, episode after episode, unless it has the attribute `batched = True`.
 
     Args:
-        policy: with Stable-Baselines3's `predict`, or the declaration of a controller, which is made for the
-            environment with its tuned gains.
+        policy: policy with Stable-Baselines3's `predict`, or the declaration of a controller, which is made
+            for the environment with its tuned gains.
         env: an environment of this suite.
-        episodes: how many.
-        seed: of the first.
-        on_episode: called after each episode, for progress bars.
+        episodes: number of episodes.
+        seed: random seed of the first episode.
+        on_episode: function that is called after each episode, for progress bars.
 
     Returns:
         the recorded episodes with their metrics.
@@ -100,21 +100,21 @@ def evaluate(
     """
     check_protocol(episodes, seed)
     count = episodes_to_run(env, episodes)
-    asked = _policy(policy, env)
+    chosen = _policy(policy, env)
     seeds = range(int(seed), int(seed) + count)
-    if count > 1 and takes_batches(asked) and can_batch(env):
-        rollouts = record_episodes(asked, env, seeds)
+    if count > 1 and takes_batches(chosen) and can_batch(env):
+        rollouts = record_episodes(chosen, env, seeds)
         for _ in seeds:
             on_episode()
         return Evaluation(rollouts, seed)
     rollouts = []
     for own in seeds:
-        rollouts.append(record_episode(asked, env, own))
+        rollouts.append(record_episode(chosen, env, own))
         on_episode()
     return Evaluation(rollouts, seed)
 
 
-def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
+def _policy(given: Any, env: gymnasium.Env[Any, Any]) -> Policy:
     """A policy itself, or the one that a declaration makes for an environment.
 
     Raises:
@@ -125,7 +125,8 @@ def _policy(given: Policy | Makeable, env: gymnasium.Env[Any, Any]) -> Policy:
     if not isinstance(given, Makeable):
         allowed = "an object with `predict`, or the declaration of a controller"
         raise InvalidValueError("policy", given, allowed)
-    return given.make(env)
+    made: Policy = given.make(env)
+    return made
 
 
 def check_protocol(episodes: int, seed: int) -> None:
@@ -140,7 +141,7 @@ def check_protocol(episodes: int, seed: int) -> None:
 
 
 def episodes_to_run(env: gymnasium.Env[Any, Any], episodes: int) -> int:
-    """1 where every episode is the same, else as many as asked for."""
+    """1 where every episode is the same, else the requested number."""
     task = getattr(env.unwrapped, "task", None)
     if task is None:
         raise InvalidValueError("env", env, "an environment of prp_gym")

@@ -38,9 +38,9 @@ def bootstrap_nested(
 
     Args:
         scores: (training seeds, episodes) [1].
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate [1]; with one training seed only episodes are drawn.
@@ -65,9 +65,9 @@ def bootstrap_crossed(
 
     Args:
         scores: (training seeds, evaluation seeds) [1], a column for each evaluation seed.
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate [1]; with one training seed only episodes are drawn.
@@ -97,9 +97,9 @@ def bootstrap_difference(
     Args:
         x: (training seeds of x, evaluation seeds) [1], a column for each evaluation seed.
         y: (training seeds of y, evaluation seeds) [1], the same evaluation seeds in the same order.
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate [1]; an interval above 0 says that x is better.
@@ -132,9 +132,9 @@ def bootstrap_tasks(
 
     Args:
         scores: (training seeds, evaluation seeds) [1] for each task.
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate [1].

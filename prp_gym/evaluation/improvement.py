@@ -32,9 +32,9 @@ def probability_of_improvement(
     Args:
         x: one array (N) [1] for each task.
         y: one array (M) [1] for each of the same tasks; M may differ from N.
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate [1]; ½ says that neither is better.
@@ -64,16 +64,16 @@ def paired_probability_of_improvement(
 ) -> Estimate:
     """Share of evaluation seeds on which x is better than y, ties counting ½, averaged over tasks.
 
-    Run n of x is compared with run n of y alone, and the bootstrap draws such pairs anew within each
-    task. What a seed makes easy or hard for both thus drops out; in general the number is another than that
-    of `probability_of_improvement`, which compares across seeds.
+    Run n of x is compared with run n of y alone, and the bootstrap draws evaluation seeds anew within each
+    task, the same ones for both policies. What a seed makes easy or hard for both thus drops out; in general
+    the number is another than that of `probability_of_improvement`, which compares across seeds.
 
     Args:
         x: one array (N) [1] for each task, one run an evaluation seed.
         y: the same for the other policy, on the same evaluation seeds in the same order.
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate [1]; ½ says that neither is better.

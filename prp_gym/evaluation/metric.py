@@ -18,8 +18,8 @@ class MetricGroup:
     """Metrics of one quantity, which stand together in lists.
 
     Attributes:
-        heading: in the documentation.
-        chapter: for the order of lists: that of the report which controls the quantity first.
+        heading: heading of the group in the documentation.
+        chapter: first chapter of the report in which the quantity is controlled, for the order of lists.
     """
 
     heading: str
@@ -27,7 +27,7 @@ class MetricGroup:
 
 
 OTHER = MetricGroup("Other")
-"""Of metrics that name no group."""
+"""Group of the metrics that name none."""
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class Presentation:
     """How a metric is listed, shown and read.
 
     Attributes:
-        group: with which it is listed.
-        column: of its median in tables; None if it is never shown there.
-        known_as: its name in ISO 9283 or in control engineering; empty where it has none.
-        higher_is_better: the direction.
+        group: group of metrics with which the metric is listed.
+        column: column of the metric's median in tables; None if it is never shown there.
+        known_as: name of the metric in ISO 9283 or in control engineering; empty where it has none.
+        higher_is_better: whether larger values are better.
     """
 
     group: MetricGroup = OTHER
@@ -52,13 +52,14 @@ class Metric:
     """A declared metric of an episode.
 
     Attributes:
-        name: in results and tables.
-        units: one a component.
-        definition: one sentence.
-        requires: fields and cost terms of an episode without which it does not exist.
-        compute: from a recorded episode, as many numbers as units; for one unit a number will do.
-        presentation: how it is listed, shown and read.
-        revision: of its definition; every change of its values raises it.
+        name: name of the metric in results and tables.
+        units: units of the components, one for each.
+        definition: definition in one sentence.
+        requires: fields and cost terms that an episode must have for the metric to exist.
+        compute: function of a recorded episode that returns as many numbers as there are units; a metric with
+            one unit may return a single number.
+        presentation: how the metric is listed, shown and read.
+        revision: revision of the definition; every change of the metric's values raises it.
     """
 
     name: str
@@ -79,7 +80,7 @@ class Metric:
 
     @property
     def chapter(self) -> float:
-        """For the order of lists, that of the metric's group."""
+        """Chapter of the metric's group, for the order of lists."""
         return self.presentation.group.chapter
 
     @property
@@ -89,12 +90,12 @@ class Metric:
 
     @property
     def column(self) -> Column | None:
-        """Of its median in tables; None if it is never shown there."""
+        """Column of the metric's median in tables; None if it is never shown there."""
         return self.presentation.column
 
     @property
     def known_as(self) -> str:
-        """Its name in ISO 9283 or in control engineering; empty where it has none."""
+        """Name of the metric in ISO 9283 or in control engineering; empty where it has none."""
         return self.presentation.known_as
 
     @property
@@ -128,12 +129,14 @@ class Metric:
             return np.full(count, np.nan)
         values = np.atleast_1d(np.asarray(self.compute(rollout), dtype=np.float64))
         if values.shape != (count,):
-            raise ShapeError(f"metric {self.name!r}", values.shape, f"({count},), one number a component")
+            raise ShapeError(
+                f"metric {self.name!r}", values.shape, f"({count},), one number for each component"
+            )
         return values
 
 
 class JointMetric(Metric):
-    """A metric with one number a joint; a robot of fewer joints than units has the first units."""
+    """A metric with one number for each joint; a robot of fewer joints than units has the first units."""
 
     def components(self, rollout: Rollout) -> int:
         """The number of joints."""

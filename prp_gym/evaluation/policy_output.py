@@ -1,4 +1,4 @@
-"""How policies are asked: one observation at a time or several, and what they must return."""
+"""The inputs and outputs of policies: one observation or several at a time, actions and states."""
 
 from typing import Any
 
@@ -13,10 +13,10 @@ _BATCHED_CLASSES = frozenset(("BaseAlgorithm", "BasePolicy"))
 
 
 def takes_batches(policy: object) -> bool:
-    """Whether a policy may be asked for the actions of several observations at once.
+    """Whether `predict` of a policy takes several observations at once.
 
     Those of this suite say so by the attribute `batched`; those of Stable-Baselines3 are known by their base
-    classes. Any other policy may keep a state of its own, and is asked one observation at a time.
+    classes. Any other policy may keep a state of its own, and gets one observation at a time.
 
     Args:
         policy: anything with `predict`.
@@ -36,9 +36,9 @@ def check_output(
     """Action and state that `predict` has returned.
 
     Args:
-        policy: that returned it, for messages.
-        output: what it returned.
-        shape: of the action, as it was asked for.
+        policy: policy that returned the output, for messages.
+        output: value that `predict` returned.
+        shape: required shape of the action.
         finite: whether NaN and infinity are refused.
 
     Returns:
@@ -56,8 +56,8 @@ def check_output(
     except (TypeError, ValueError):
         raise PolicyOutputError(name, f"an action that holds no numbers: {action!r}", single) from None
     if numbers.shape != shape:
-        asked = f" for observations of shape {(*shape[:-1], 'size')}" if shape[:-1] else ""
-        raise PolicyOutputError(name, f"an action of shape {numbers.shape}{asked}", single)
+        inputs = f" for observations of shape {(*shape[:-1], 'size')}" if shape[:-1] else ""
+        raise PolicyOutputError(name, f"an action of shape {numbers.shape}{inputs}", single)
     if finite and not np.isfinite(numbers).all():
         raise PolicyOutputError(name, f"an action with NaN or infinity: {numbers.tolist()}", single)
     return np.asarray(action), state

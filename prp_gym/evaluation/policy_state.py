@@ -19,8 +19,8 @@ def state_to_begin_with(
     """The state to go on with: the last one, and a new one where an episode starts.
 
     Args:
-        fresh: the state of new episodes, arrays (*lead, any size).
-        state: what the last call returned; None at first.
+        fresh: state of new episodes, arrays (*lead, any size).
+        state: state that the last call returned; None at first.
         episode_start: (*lead), or one for all, whether an episode starts; None for nowhere.
         lead: leading dimensions of the observations.
 

@@ -45,9 +45,9 @@ def performance_profile(
     Args:
         scores: one array (N_t) [1] for each task.
         thresholds: τ (K) [1], in any order.
-        rng: for the resampling.
-        confidence: of the band, between 0 and 1.
-        resamples: of the bootstrap; memory is taken for this number times K.
+        rng: random generator of the resampling.
+        confidence: confidence level of the band, between 0 and 1.
+        resamples: number of bootstrap resamples; the memory grows with this number times K.
 
     Returns:
         the profile; where a task has one run, that task adds no width to the band.

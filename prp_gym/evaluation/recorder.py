@@ -18,7 +18,7 @@ class Recorder:
 
     Args:
         env: an environment of this suite, without wrappers.
-        loop: of N environments, all just reset.
+        loop: control loop of N environments, all just reset.
     """
 
     def __init__(self, env: Any, loop: Any) -> None:
@@ -55,8 +55,8 @@ class Recorder:
         """The episode of one environment.
 
         Args:
-            row: of the environment.
-            seed: with which it was reset.
+            row: row of the environment in the loop.
+            seed: random seed with which the environment was reset.
             compute_time: compute times of the policy for one action each [s].
         """
         inner, loop, diverged = self._env, self._loop, bool(self._ended[row] >= 0)

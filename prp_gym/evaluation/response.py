@@ -1,7 +1,7 @@
 """Errors, settling and steady state of a recorded motion or force relative to its reference.
 
 Time runs along the second-to-last axis of vectors (..., T, d) and along the last of what is one number
-a sample (..., T); every function broadcasts over the dimensions before it.
+per sample (..., T); every function broadcasts over the dimensions before it.
 """
 
 import numpy as np

@@ -4,21 +4,9 @@ import os
 import platform
 from typing import Any
 
-from prp_gym.artifacts import list_versions, prepare_folder, to_array, to_plain, write_file, write_json
+from prp_gym.artifacts import list_versions
 from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.evaluation.metrics import METRICS
-
-__all__ = [
-    "SCHEMA",
-    "describe_evaluation",
-    "describe_run",
-    "list_versions",
-    "prepare_folder",
-    "to_array",
-    "to_plain",
-    "write_file",
-    "write_json",
-]
 
 SCHEMA = 1
 

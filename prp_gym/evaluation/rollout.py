@@ -35,9 +35,9 @@ class Rollout:
     """One episode of T control periods.
 
     Attributes:
-        environment_id: of the environment.
-        scenario: its scenario.
-        seed: with which the episode was reset.
+        environment_id: id of the environment.
+        scenario: name of the scenario.
+        seed: random seed with which the episode was reset.
         period: time between torques: the control period, or that of the inner controller of an action mode
             [s].
         duration: length that the episode has unless it diverges [s].
@@ -68,7 +68,7 @@ class Rollout:
 
     @property
     def time(self) -> Array:
-        """(T + 1) of the observations [s]."""
+        """Times of the observations (T + 1) [s]."""
         return np.arange(len(self.reward) + 1, dtype=np.float64) * float(self.period)
 
 

@@ -7,7 +7,7 @@ def scoring_of(environment_id: str) -> TaskScoring:
     """Columns of the tables and physical error of a task, as its declaration states them.
 
     Args:
-        environment_id: of an environment, declared or not.
+        environment_id: id of an environment, declared or not.
 
     Returns:
         the declared scoring; one without columns and error where the task is not declared.

@@ -34,10 +34,10 @@ def bootstrap_interquartile_mean(
     """Interquartile mean with a percentile bootstrap interval over the episodes.
 
     Args:
-        values: (n), one an episode.
-        rng: for the resampling.
-        confidence: of the interval, between 0 and 1.
-        resamples: of the bootstrap.
+        values: one value for each episode, (n).
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
 
     Returns:
         the estimate; without spread, or of one episode, the interval is the point.

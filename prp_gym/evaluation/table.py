@@ -8,10 +8,10 @@ from typing import Any, Self
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
+from prp_gym.artifacts import to_array
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.column import Column
 from prp_gym.evaluation.metrics import METRICS
-from prp_gym.evaluation.results import to_array
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
@@ -31,8 +31,8 @@ class Row:
         baseline: name of the controller or policy.
         episodes: number of episodes.
         score: interquartile mean over the episodes, with its interval.
-        median: of every metric over the episodes, (components).
-        compute_time: of the policy for one action [s].
+        median: median of every metric over the episodes, (components).
+        compute_time: compute time of the policy for one action [s].
     """
 
     baseline: str
@@ -58,8 +58,8 @@ class _MetricColumn:
     """The column of a metric in a table.
 
     Attributes:
-        metric: its name.
-        column: as it is declared.
+        metric: name of the metric.
+        column: declared column of the metric.
     """
 
     metric: str
@@ -84,8 +84,9 @@ def evaluation_table(
 
     Args:
         title: what was evaluated.
-        rows: of one environment and scenario.
-        metrics: whose medians are shown, as the task declares them; those that no row has are left out.
+        rows: rows of one environment and scenario.
+        metrics: metrics whose medians are shown, as the task declares them; those that no row has are left
+            out.
         who: header of the names of the rows.
 
     Returns:

@@ -1,7 +1,7 @@
 """Reproduction of the report's experiments: figures, closed forms, measured values, verdicts."""
 
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
-from prp_gym.reproduction.experiment import Answer, Check, Experiment, Level, Panel, Run
+from prp_gym.reproduction.experiment import Answer, Check, Experiment, ExperimentRun, Level, Panel
 from prp_gym.reproduction.outcome import FigureOutcome, Verdict, judge
 from prp_gym.reproduction.run import RecordedRun, record_run
 
@@ -10,11 +10,11 @@ __all__ = [
     "Catalogue",
     "Check",
     "Experiment",
+    "ExperimentRun",
     "FigureOutcome",
     "Level",
     "Panel",
     "RecordedRun",
-    "Run",
     "Verdict",
     "judge",
     "load_catalogue",

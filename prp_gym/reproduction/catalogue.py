@@ -14,12 +14,12 @@ from prp_gym.reproduction.experiment import (
     Answer,
     Check,
     Experiment,
+    ExperimentRun,
     Level,
     Measurement,
     Number,
     Panel,
     Prediction,
-    Run,
 )
 from prp_gym.reproduction.figures import COLORS, REFERENCE_LABEL
 from prp_gym.reproduction.measurements import MEASUREMENTS
@@ -49,12 +49,12 @@ class Catalogue:
     """All experiments.
 
     Attributes:
-        runs: by name.
-        experiments: by figure number, in increasing order.
-        answers: in the order of the report's questions.
+        runs: all runs by name.
+        experiments: all experiments by figure number, in increasing order.
+        answers: answers in the order of the report's questions.
     """
 
-    runs: Mapping[str, Run]
+    runs: Mapping[str, ExperimentRun]
     experiments: Mapping[int, Experiment]
     answers: tuple[Answer, ...]
 
@@ -122,11 +122,11 @@ def _tables(table: Table, key: str, what: str = "a chapter") -> list[Table]:
     return rows
 
 
-def _run(name: str, row: Any) -> Run:
+def _run(name: str, row: Any) -> ExperimentRun:
     what = f"run {name!r}"
     if not isinstance(row, dict):
         raise InvalidValueError(what, row, "a table")
-    return _make(Run, {"name": name, **_tuples(row, "states")}, what)
+    return _make(ExperimentRun, {"name": name, **_tuples(row, "states")}, what)
 
 
 def _make(kind: type[T], table: Table, what: str) -> T:
@@ -146,7 +146,7 @@ def _tuples(table: Table, *names: str) -> dict[str, Any]:
     return {**table, **as_tuples}
 
 
-def _experiment(table: Table, runs: Mapping[str, Run]) -> Experiment:
+def _experiment(table: Table, runs: Mapping[str, ExperimentRun]) -> Experiment:
     what = f"figure {table.get('number')}"
     checks = tuple(_check(row, runs, what) for row in _tables(table, "checks", what))
     panels = tuple(_panel(row, runs, checks, what) for row in _tables(table, "panels", what))
@@ -156,7 +156,7 @@ def _experiment(table: Table, runs: Mapping[str, Run]) -> Experiment:
     return _make(Experiment, {**table, "checks": checks, "panels": panels}, what)
 
 
-def _check_drawn(runs: Sequence[Run], what: str) -> None:
+def _check_drawn(runs: Sequence[ExperimentRun], what: str) -> None:
     """Refuse runs that cannot be drawn in one figure."""
     rates = {run.control_frequency for run in runs}
     if len(rates) > 1:
@@ -166,7 +166,7 @@ def _check_drawn(runs: Sequence[Run], what: str) -> None:
     _check_unique(f"label in {what}", [REFERENCE_LABEL, *(run.label for run in runs)])
 
 
-def _panel(table: Table, runs: Mapping[str, Run], checks: Sequence[Check], what: str) -> Panel:
+def _panel(table: Table, runs: Mapping[str, ExperimentRun], checks: Sequence[Check], what: str) -> Panel:
     row = _tuples(table, "components", "runs", "predictions", "limits")
     row["levels"] = tuple(_make(Level, level, f"level in {what}") for level in table.get("levels", []))
     panel = _make(Panel, row, f"panel of {what}")
@@ -178,7 +178,7 @@ def _panel(table: Table, runs: Mapping[str, Run], checks: Sequence[Check], what:
     return panel
 
 
-def _check(table: Table, runs: Mapping[str, Run], what: str) -> Check:
+def _check(table: Table, runs: Mapping[str, ExperimentRun], what: str) -> Check:
     row = _tuples(table, "unit", "absolute", "explained_tolerance")
     what = f"check {table.get('name')!r} of {what}"
     row["measure"] = _measurement(dict(_entry(table, "measure", dict, what)), runs, what)
@@ -186,7 +186,7 @@ def _check(table: Table, runs: Mapping[str, Run], what: str) -> Check:
     return _make(Check, row, what)
 
 
-def _measurement(arguments: dict[str, Any], runs: Mapping[str, Run], what: str) -> Measurement:
+def _measurement(arguments: dict[str, Any], runs: Mapping[str, ExperimentRun], what: str) -> Measurement:
     name, run = arguments.pop("name", None), arguments.pop("run", None)
     _check_known("measurement", [name], MEASUREMENTS)
     _check_known("run", [run], runs)

@@ -22,7 +22,7 @@ def spring_force(controller_stiffness: float, surface_stiffness: float, depth: f
     Args:
         controller_stiffness: K_P along the normal, of the controller or of the compliant frame [N/m].
         surface_stiffness: K [N/m].
-        depth: of the goal behind the surface, x_d - x_e [m].
+        depth: depth of the goal behind the surface, x_d - x_e [m].
 
     Returns:
         steady contact force [N].
@@ -42,7 +42,7 @@ def spring_position(
         controller_stiffness: K_P along the normal [N/m].
         surface_stiffness: K [N/m].
         desired: x_d, coordinate of the goal along the normal [m].
-        surface: x_e, that of the surface at rest [m].
+        surface: x_e, coordinate of the surface at rest [m].
 
     Returns:
         steady coordinate [m].
@@ -98,8 +98,8 @@ def model_peak_force(
         target: M [kg], K_D [N s/m] and K_P [N/m] along y.
         surface_stiffness: K [N/m].
         surface: y_e; the free side is below it [m].
-        times: of the reference's waypoints; quintic segments between them [s].
-        positions: of the waypoints along y; at rest on the first one at t = 0 [m].
+        times: times of the reference's waypoints; quintic segments between them [s].
+        positions: positions of the waypoints along y; at rest on the first one at t = 0 [m].
 
     Returns:
         largest contact force [N].
@@ -127,8 +127,8 @@ def model_force_at(
         target: M [kg], K_D [N s/m] and K_P [N/m] along y.
         surface_stiffness: K [N/m].
         surface: y_e; the free side is below it [m].
-        times: of the reference's waypoints; quintic segments between them [s].
-        positions: of the waypoints along y; at rest on the first one at t = 0 [m].
+        times: times of the reference's waypoints; quintic segments between them [s].
+        positions: positions of the waypoints along y; at rest on the first one at t = 0 [m].
 
     Returns:
         contact force [N].

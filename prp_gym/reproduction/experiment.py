@@ -16,24 +16,24 @@ Measure = Callable[..., Array]
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class ExperimentRun:
     """One episode of the scenario `report` with one controller.
 
     Attributes:
-        name: under which figures and checks refer to the run.
-        label: of its curves in legends.
+        name: name by which figures and checks refer to the run.
+        label: label of the run's curves in legends.
         environment: id of the environment.
         controller: name of the baseline.
         gains: name of the gain set.
-        duration: of the episode [s].
-        control_frequency: of the controller [Hz].
+        duration: duration of the episode [s].
+        control_frequency: control frequency of the controller [Hz].
         unlimited_torque: whether the actuator limits are lifted.
-        keywords: further keywords of the environment.
-        options: of `reset`.
-        overrides: settings in place of the gain set's; `model_masses` (3) [kg] stands for a model of
-            the arm with other link masses.
-        states: names for the arrays of the policy's state, in order, that are recorded beside the fields.
-        seed: of the episode.
+        keywords: additional keywords of the environment.
+        options: reset options.
+        overrides: settings that replace those of the gain set; `model_masses` (3) [kg] gives the controller
+            a model of the arm with other link masses.
+        states: names of the arrays of the policy's state that are recorded with the fields, in their order.
+        seed: random seed of the episode.
     """
 
     name: str
@@ -56,8 +56,8 @@ class Level:
     """A horizontal line.
 
     Attributes:
-        value: in the panel's unit.
-        label: in the legend.
+        value: value at which the line is drawn, in the unit of the panel.
+        label: label of the line in the legend.
     """
 
     value: float
@@ -69,13 +69,13 @@ class Panel:
     """Axes of a figure: one for each component of a signal.
 
     Attributes:
-        signal: drawn over time; see `prp_gym.reproduction.signals`.
-        components: of the signal, each in axes of its own.
+        signal: name of the signal that is drawn over time; see `prp_gym.reproduction.signals`.
+        components: components of the signal, each in axes of its own.
         runs: names of the runs; the first is the subject of the figure, the others are for comparison.
         reference: signal drawn dashed, from the first run; empty for none.
         levels: lines drawn in every axes of the panel.
         predictions: names of checks of this signal, whose predictions are drawn where they belong.
-        limits: of the vertical axis; empty to fit the curves.
+        limits: limits of the vertical axis; empty to fit the curves.
     """
 
     signal: str
@@ -93,7 +93,7 @@ class Number:
 
     Attributes:
         value: one number per component.
-        source: of the value.
+        source: source of the value.
     """
 
     value: tuple[float, ...]
@@ -115,7 +115,7 @@ class Prediction:
 
     Attributes:
         formula: the closed form.
-        arguments: by name.
+        arguments: arguments of the closed form by name.
     """
 
     formula: Formula
@@ -127,7 +127,7 @@ class Prediction:
         return f"{self.formula.text} ({self.formula.source})"
 
     def compute(self) -> Array:
-        """The predicted value, one a component."""
+        """The predicted value of each component."""
         return np.atleast_1d(np.asarray(self.formula.compute(**self.arguments), dtype=np.float64))
 
 
@@ -136,10 +136,10 @@ class Measurement:
     """A function of one recorded run.
 
     Attributes:
-        name: of the function.
-        run: name.
-        function: the function.
-        arguments: by name.
+        name: name of the function.
+        run: name of the run that is measured.
+        function: function that measures the recorded run.
+        arguments: further arguments of the function by name.
     """
 
     name: str
@@ -148,7 +148,7 @@ class Measurement:
     arguments: Mapping[str, Any]
 
     def compute(self, rollout: Rollout) -> Array:
-        """The measured value, one a component."""
+        """The measured value of each component."""
         return np.atleast_1d(np.asarray(self.function(rollout, **self.arguments), dtype=np.float64))
 
 
@@ -157,18 +157,18 @@ class Check:
     """A prediction beside a measurement.
 
     Attributes:
-        name: unique; answers refer to it.
+        name: unique name, by which answers refer to the check.
         question: section of the report whose question it answers.
         what: the compared quantity, in words.
-        unit: one for all components, or one each.
+        unit: unit of the quantity, one for all components or one each.
         measure: measurement of the quantity in a run.
         predict: prediction of the quantity.
-        absolute: allowed deviation, one for all components or one each, in the unit.
+        absolute: allowed deviation, one number for all components or one each, in the unit.
         relative: further allowed deviation, as a share of the prediction.
-        reason: of the tolerance.
-        explanation: why the measurement deviates by more than that; empty if it must not.
-        explained_tolerance: the deviation, in the unit, up to which the explanation holds, one for all
-            components or one each; empty without an explanation.
+        reason: reason for the tolerance.
+        explanation: why the measurement deviates by more than the tolerance; empty if it must not.
+        explained_tolerance: deviation, in the unit, up to which the explanation holds, one number for
+            all components or one each; empty without an explanation.
     """
 
     name: str
@@ -213,11 +213,11 @@ class Check:
                 raise ShapeError(f"{what} of check {self.name!r}", (found,), f"({size},)")
 
     def tolerance(self, predicted: Array) -> Array:
-        """Allowed deviation from a prediction, one a component."""
+        """Allowed deviation from a prediction, for each component."""
         return np.broadcast_to(np.array(self.absolute), predicted.shape) + self.relative * np.abs(predicted)
 
     def widest_tolerance(self, predicted: Array) -> Array:
-        """Deviation from a prediction that tolerance or explanation allow, one a component.
+        """Deviation from a prediction that tolerance or explanation allow, for each component.
 
         Raises:
             InvalidValueError: an explanation that allows less than the tolerance, or nothing more.
@@ -241,11 +241,11 @@ class Experiment:
     """One figure of the report.
 
     Attributes:
-        number: of the figure.
-        title: of the figure.
-        section: of the report.
+        number: number of the figure.
+        title: title of the figure.
+        section: section of the report.
         until: end of the time axis [s].
-        panels: from top to bottom.
+        panels: panels of the figure, from top to bottom.
         checks: predictions beside measurements.
         reading: values read off the report's own figure.
         explanation: why the report's figure differs from this one; empty if it does not.
@@ -273,8 +273,8 @@ class Answer:
 
     Attributes:
         question: section of the report.
-        asks: the question.
-        text: the answer, with the names of checks as placeholders for the measured numbers.
+        asks: text of the question.
+        text: text of the answer, with the names of checks as placeholders for the measured numbers.
     """
 
     question: str

@@ -36,9 +36,9 @@ class Curve(NamedTuple):
 
     Attributes:
         run: name of the run.
-        label: in the legend and as the column of the CSV.
-        time: (n) [s].
-        values: (n), in the unit of the axes.
+        label: label in the legend and in the column header of the CSV file.
+        time: times of the values (n) [s].
+        values: values over time (n), in the unit of the axes.
     """
 
     run: str
@@ -51,13 +51,13 @@ class Axis(NamedTuple):
     """One axes of a figure, as data.
 
     Attributes:
-        symbol: of the drawn quantity (mathematical text).
-        unit: of the quantity.
-        column: name without mathematical text.
-        curves: one for each run.
+        symbol: symbol of the drawn quantity (mathematical text).
+        unit: unit of the drawn quantity.
+        column: name of the quantity without mathematical text, for column headers.
+        curves: curves of the runs, one for each.
         reference: curves drawn dashed, at most one.
-        levels: horizontal lines, (label, value).
-        limits: of the axis; empty to fit.
+        levels: labels and values of the horizontal lines.
+        limits: limits of the vertical axis; empty to fit the curves.
     """
 
     symbol: str

@@ -14,7 +14,7 @@ from prp_gym.reproduction.signals import series
 from prp_gym.robot.arrays import Array
 
 MEASUREMENTS: dict[str, Callable[..., Array]] = {}
-"""Measurements by name: functions of a rollout that return one number per component, in the unit of it."""
+"""Measurements by name: functions of a rollout that return one number per component, in its unit."""
 
 Components = Sequence[int]
 MeasureT = TypeVar("MeasureT", bound=Callable[..., Array])

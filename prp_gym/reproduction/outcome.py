@@ -48,8 +48,8 @@ class FigureOutcome:
 
     Attributes:
         experiment: the figure.
-        recorded: its runs by name.
-        verdicts: one for each check.
+        recorded: recorded runs of the figure by name.
+        verdicts: verdicts of the figure, one for each check.
     """
 
     experiment: Experiment
@@ -94,7 +94,7 @@ def fill(answers: Sequence[Answer], outcomes: Iterable[FigureOutcome]) -> list[t
 
     Args:
         answers: templates; `{name}` is a check's first number, `{name[i]}` its i-th.
-        outcomes: of the figures that were run.
+        outcomes: outcomes of the figures that were run.
 
     Returns:
         each answer with its sentence, in the order of the answers.

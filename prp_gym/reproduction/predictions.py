@@ -25,10 +25,10 @@ class Formula:
     """A closed form.
 
     Attributes:
-        name: by which data files ask for it.
+        name: name by which data files refer to the formula.
         text: the formula in one line.
-        source: where it is from.
-        compute: the function.
+        source: source of the formula.
+        compute: function that evaluates the formula.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Formula:
 FunctionT = TypeVar("FunctionT", bound=Callable[..., Any])
 
 FORMULAS: dict[str, Formula] = {}
-"""By name; the first line of a function's docstring is the formula, and the last names its source."""
+"""Formulas by name; the first line of a docstring is the formula, and the last one names its source."""
 
 
 def formula(function: FunctionT) -> FunctionT:
@@ -145,7 +145,7 @@ def second_order_overshoot(proportional_gain: float, derivative_gain: float, joi
     Args:
         proportional_gain: K_P [1/s^2].
         derivative_gain: K_D, below 2√K_P [1/s].
-        joints: how many have this response.
+        joints: number of joints that have this response.
 
     Returns:
         (joints) overshoot [%].
@@ -166,7 +166,7 @@ def second_order_peak_time(proportional_gain: float, derivative_gain: float, joi
     Args:
         proportional_gain: K_P [1/s^2].
         derivative_gain: K_D, below 2√K_P [1/s].
-        joints: how many have this response.
+        joints: number of joints that have this response.
 
     Returns:
         (joints) time of the first peak [s].
@@ -186,7 +186,7 @@ def second_order_settling_time(proportional_gain: float, derivative_gain: float,
     Args:
         proportional_gain: K_P [1/s^2].
         derivative_gain: K_D [1/s].
-        joints: how many have this response.
+        joints: number of joints that have this response.
 
     Returns:
         (joints) settling time, to a millionth of the slowest mode's ten time constants [s].
@@ -236,20 +236,20 @@ def holding_torque(joint_position: Sequence[float]) -> Array:
 
 
 @formula
-def rest_error_with_wrong_masses(
+def rest_error_with_link_mass_errors(
     desired: Sequence[float], masses: Sequence[float], proportional_gain: float
 ) -> Array:
     """Equilibrium with model errors: B̂(q) K_P q̃ + ĝ(q) = g(q), q = q_d - q̃.
 
     Args:
         desired: q_d (3) [rad, m, rad].
-        masses: of the controller's model (3) [kg].
+        masses: link masses of the controller's model (3) [kg].
         proportional_gain: K_P [1/s^2].
 
     Returns:
-        (3) error at rest of inverse dynamics with the wrong model [rad, m, rad].
+        (3) error at rest of inverse dynamics with link-mass errors [rad, m, rad].
 
-    Source: [S] 8.5.2, imperfect compensation; [R] 7.2.
+    Source: [S] 8.5.2, with a model that differs from the arm; [R] 7.2.
     """
     true, model = PRPArm(), PRPArm(NOMINAL.with_masses(masses))
     goal = np.array(desired)
@@ -267,7 +267,7 @@ def pose(joint_position: Sequence[float], components: Sequence[int]) -> Array:
 
     Args:
         joint_position: q (3) [rad, m, rad].
-        components: of the pose: tip position (0 to 2) [m], ZXZ Euler angles (3 to 5) [rad].
+        components: components of the pose: tip position (0 to 2) [m], ZXZ Euler angles (3 to 5) [rad].
 
     Returns:
         (components).

@@ -5,7 +5,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from prp_gym.evaluation.results import describe_run, write_file, write_json
+from prp_gym.artifacts import write_file, write_json
+from prp_gym.evaluation.results import describe_run
 from prp_gym.reproduction.experiment import Answer
 from prp_gym.reproduction.figures import draw, table
 from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show

@@ -14,7 +14,7 @@ from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.rollout import Policy, Rollout
-from prp_gym.reproduction.experiment import Run
+from prp_gym.reproduction.experiment import ExperimentRun
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import NOMINAL
 from prp_gym.tasks.registration import list_envs
@@ -27,13 +27,13 @@ class RecordedRun:
     """A recorded run.
 
     Attributes:
-        run: the run.
+        run: declaration of the run.
         rollout: the recorded episode, whose fields include the recorded states.
-        settings: of the controller.
+        settings: settings of the controller.
         gains_source: source of the gain set.
     """
 
-    run: Run
+    run: ExperimentRun
     rollout: Rollout
     settings: Mapping[str, Any]
     gains_source: str
@@ -43,8 +43,8 @@ class StateRecorder:
     """A policy that records the first arrays of another policy's state at every step.
 
     Args:
-        policy: the other policy.
-        names: of the arrays, in their order.
+        policy: policy whose state is recorded.
+        names: names of the arrays, in their order.
     """
 
     def __init__(self, policy: Policy, names: tuple[str, ...]) -> None:
@@ -78,7 +78,7 @@ class StateRecorder:
         }
 
 
-def check_names(run: Run) -> None:
+def check_names(run: ExperimentRun) -> None:
     """Refuse a run whose environment, controller or gain set does not exist.
 
     Raises:
@@ -93,7 +93,7 @@ def check_names(run: Run) -> None:
             raise UnknownNameError(kind, name, valid)
 
 
-def record_run(run: Run) -> RecordedRun:
+def record_run(run: ExperimentRun) -> RecordedRun:
     """Simulate and record a run.
 
     Raises:

@@ -17,9 +17,9 @@ class Signal:
     """A quantity over time.
 
     Attributes:
-        symbols: one for each component, for axes (mathematical text).
-        units: one for each component.
-        difference: the two fields whose difference the signal is; empty for a field or the torque.
+        symbols: symbols of the components, for axes (mathematical text).
+        units: units of the components.
+        difference: names of the two fields whose difference is the signal; empty for a field or the torque.
     """
 
     symbols: tuple[str, ...]
@@ -70,8 +70,8 @@ def series(rollout: Rollout, name: str, components: Sequence[int] = ()) -> tuple
 
     Args:
         rollout: the episode, of T steps.
-        name: of the signal.
-        components: of it; all by default.
+        name: name of the signal.
+        components: components of the signal; all by default.
 
     Returns:
         time (n) [s] and values (n, components) in the signal's units; n is T + 1, for torques T:

@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -157,6 +158,7 @@ def _make(spec: ControllerSpec, gains: GainsChoice, env: Any) -> Policy:
         raise GainsFileError(gains.name, str(error).removesuffix(".")) from error
 
 
+@cache
 def _declaration(code: UserCode) -> Controller:
     """What a user's code declares under its name.
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from prp_gym.artifacts import prepare_folder, write_json
-from prp_gym.cli.terminal import make_console, make_progress
 from prp_gym.evaluation.results import describe_run
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Record, run_job
 from prp_gym.runs.store import JobStore, JobT
+from prp_gym.runs.terminal import make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 JOBS = "jobs"

@@ -12,7 +12,7 @@ from prp_gym.errors import EpisodeError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
-from prp_gym.tasks.fields import MEASURED_FIELDS, Field
+from prp_gym.tasks.fields import MEASURED_FIELDS, Field, ObservationLayout
 from prp_gym.tasks.trajectory import Trajectory
 
 if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
@@ -200,3 +200,25 @@ class ErrorFunction(ABC):
         Returns:
             Errors (..., terms, width), where width is that of the longest term; shorter ones end with zeros.
         """
+
+
+@dataclass(frozen=True, eq=False)
+class TaskParts:
+    """The parts of which a task is composed.
+
+    Attributes:
+        world: The robot and its surroundings.
+        starts: Sampler of starts.
+        reference: Reference trajectories of all environments.
+        errors: Error function, from which the reward is computed.
+    """
+
+    world: World[Any]
+    starts: StartSampler[Any]
+    reference: Reference
+    errors: ErrorFunction
+
+
+def observed_layout(world: World[Any], reference: Reference) -> ObservationLayout:
+    """The layout of an observation: the measured fields of a world, then the fields of the reference."""
+    return ObservationLayout((*world.measured_fields, *reference.fields))

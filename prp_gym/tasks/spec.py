@@ -2,14 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from prp_gym.tasks.task import TaskParts, TaskSetup
+from prp_gym.tasks.parts import TaskParts
+from prp_gym.tasks.setup import TaskSetup
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class TaskEntry:
         options: Dataclass of the task's own keywords.
     """
 
-    compose: "Callable[[TaskSetup], TaskParts]"
+    compose: Callable[[TaskSetup], TaskParts]
     options: type[Any] = NoOptions
 
 
@@ -79,7 +77,7 @@ class TaskSpec:
     id: str
     summary: str
     entry: TaskEntry
-    numbers: "Path"
+    numbers: Path
     scoring: TaskScoring = field(default_factory=TaskScoring)
     chapter: float = NOT_IN_THE_REPORT
     revision: int = 1

@@ -1,10 +1,6 @@
 """`Task`: the task of N environments, composed of the parts that its declaration names."""
 
-import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,91 +10,13 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
 from prp_gym.tasks.fields import Field, ObservationLayout
-from prp_gym.tasks.parts import ErrorFunction, Reference, ResetOption, StartSampler, World
-from prp_gym.tasks.reward import RewardTerm
-from prp_gym.tasks.scenario import Range, Scenario
+from prp_gym.tasks.parts import ResetOption, observed_layout
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
     from prp_gym.physics.batch_simulation import Simulation
     from prp_gym.physics.rendering import OverlayItem
-
-
-@dataclass(frozen=True)
-class TaskNumbers:
-    """The numbers of a task, read from its data file.
-
-    Attributes:
-        reward: Terms of the reward.
-        ranges: Ranges from which starts and goals are drawn, by name of a kind of draws (`report`,
-            `randomized`).
-        constants: Other numbers by name, with their units in the data file.
-    """
-
-    reward: tuple[RewardTerm, ...]
-    ranges: Mapping[str, Mapping[str, Range]]
-    constants: Mapping[str, Any] = field(default_factory=dict)
-
-    @classmethod
-    def read(cls, path: Path) -> "TaskNumbers":
-        """Read a TOML file: tables `reward` and `constants`, and one for each kind of draws."""
-        table = _read_table(path)
-        reward = tuple(RewardTerm.from_table(name, row) for name, row in table["reward"].items())
-        ranges = {
-            kind: {name: Range.from_table(row) for name, row in rows.items()}
-            for kind, rows in table.items()
-            if kind not in ("reward", "constants")
-        }
-        return cls(reward, ranges, table.get("constants", {}))
-
-
-@cache
-def _read_table(path: Path) -> dict[str, Any]:
-    return tomllib.loads(path.read_text(encoding="utf-8"))
-
-
-@dataclass(frozen=True)
-class TaskSetup:
-    """The inputs from which the parts of a task are made.
-
-    Attributes:
-        numbers: Numbers of the task's data file.
-        scenario: Conditions of the episodes.
-        options: The task's own keywords.
-        period: Control period [s].
-    """
-
-    numbers: TaskNumbers
-    scenario: Scenario
-    options: Any
-    period: float
-
-    @property
-    def ranges(self) -> Mapping[str, Range]:
-        """The ranges from which this scenario draws."""
-        return self.numbers.ranges[self.scenario.draws]
-
-
-@dataclass(frozen=True, eq=False)
-class TaskParts:
-    """The parts of which a task is composed.
-
-    Attributes:
-        world: The robot and its surroundings.
-        starts: Sampler of starts.
-        reference: Reference trajectories of all environments.
-        errors: Error function, from which the reward is computed.
-    """
-
-    world: World[Any]
-    starts: StartSampler[Any]
-    reference: Reference
-    errors: ErrorFunction
-
-
-def observed_layout(world: World[Any], reference: Reference) -> ObservationLayout:
-    """The layout of an observation: the measured fields of a world, then the fields of the reference."""
-    return ObservationLayout((*world.measured_fields, *reference.fields))
 
 
 class Task:

@@ -201,10 +201,10 @@ def _read(kind: type[Any], content: Any, where: str) -> dict[str, Any]:
 
 
 def _history(rows: Sequence[Any], where: str) -> tuple[tuple[int, float], ...]:
-    pairs = all(
+    valid = all(
         isinstance(row, list) and len(row) == 2 and type(row[0]) is int and type(row[1]) in (int, float)
         for row in rows
     )
-    if not (rows and pairs):
-        raise InvalidValueError(f"history of {where}", rows, "at least one pair of steps and score")
+    if not (rows and valid):
+        raise InvalidValueError(f"history of {where}", rows, "at least one row of steps and score")
     return tuple((steps, float(score)) for steps, score in rows)

@@ -1,5 +1,6 @@
 """Many environments in a mode are single ones, bit for bit, however many, on however many threads."""
 
+from itertools import cycle
 from typing import Any
 
 import gymnasium
@@ -20,11 +21,11 @@ from tests.support.vector_episodes import (
     together,
 )
 
+BY_TURNS = [(*each, autoreset) for each, autoreset in zip(KINDS, cycle(MODES), strict=False)]
 KEYWORDS: dict[str, Any] = {"scenario": "realistic", "control_frequency": 100, "duration": 0.06}
 
 
-@pytest.mark.parametrize("autoreset", MODES)
-@pytest.mark.parametrize(("environment_id", "mode"), KINDS)
+@pytest.mark.parametrize(("environment_id", "mode", "autoreset"), BY_TURNS)
 def test_steps_and_restarts_are_those_of_single_environments(
     environment_id: str, mode: str, autoreset: str
 ) -> None:

@@ -91,7 +91,8 @@ def test_settings_have_defaults_that_gains_and_overrides_replace(env: Any) -> No
         ({"gains": {"damping": 4}, "damping": -0.5}, -0.5),
         ({"damping": [1.0, 2.0, 3.0]}, np.array([1.0, 2.0, 3.0])),
     ):
-        action, _ = make_baseline(brake, env, **given).predict(observation)
+        settings: Any = given
+        action, _ = make_baseline(brake, env, **settings).predict(observation)
         np.testing.assert_array_equal(
             action, (-damping * np.array([1.0, 2.0, 0.5]) / limit).astype(np.float32)
         )

@@ -75,7 +75,7 @@ def modelled(reference: Reference, wall: Wall, duration: float, numbers: tuple[f
 
     def slope(time: float, at: Array) -> Array:
         position, rate, curve = (-float(part[0, 1]) for part in reference(time))  # y = -0.54 - q_2
-        force = wall.stiffness * np.maximum(at[0] - wall.place, 0.0)
+        force = wall.stiffness * np.maximum(at[0] - wall.offset, 0.0)
         pull = damping * (rate - at[1]) + stiffness * (position - 0.54 - at[0]) - force
         return np.stack([at[1], curve + pull / mass])
 

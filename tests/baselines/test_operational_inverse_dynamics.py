@@ -126,7 +126,7 @@ def test_reference_through_both_singular_places_is_followed() -> None:
 
 
 def test_held_against_a_wall_only_the_compensated_law_loses_no_ground() -> None:
-    depth, wall = 0.01, Wall(100.0, place=-0.35)
+    depth, wall = 0.01, Wall(100.0, offset=-0.35)
     goal = (0.0, -0.2, 0.0)  # y = -0.34
     gains = {"proportional_gain": 100.0, "derivative_gain": 20.0}
     compensated = simulate(controller(contact="compensated", **gains), goal, hold(goal), 5.0, wall=wall)

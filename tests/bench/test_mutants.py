@@ -75,13 +75,13 @@ def test_tree_in_which_a_test_fails_anyway_is_refused(tmp_path: Path) -> None:
         mutants.check_tree(tree, [defect("FOUR = 2", "FOUR = 3")])
 
 
-@pytest.mark.parametrize(("old", "places"), [("TWO", 2), ("THREE", 0)])
-def test_old_text_that_does_not_stand_once_is_refused(tmp_path: Path, old: str, places: int) -> None:
-    with pytest.raises(InvalidValueError, match=f"defect 'wrong' is {places}; allowed: 1"):
+@pytest.mark.parametrize(("old", "count"), [("TWO", 2), ("THREE", 0)])
+def test_old_text_that_does_not_stand_once_is_refused(tmp_path: Path, old: str, count: int) -> None:
+    with pytest.raises(InvalidValueError, match=f"defect 'wrong' is {count}; allowed: 1"):
         mutants.locate(defect(old, "1"), tree_of(tmp_path))
 
 
-def test_module_is_a_place_as_well_as_its_package(tmp_path: Path) -> None:
+def test_defect_is_located_by_its_module_as_well_as_by_its_package(tmp_path: Path) -> None:
     tree = tree_of(tmp_path)
     for package in ("own", "own.numbers"):
         assert mutants.locate(defect("FOUR", "FIVE", package), tree) == tree / "own" / "numbers.py"

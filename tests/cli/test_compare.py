@@ -24,15 +24,14 @@ from prp_gym.evaluation import evaluate
 from prp_gym.runs import run as runs
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Job, JobResult, run_job
-from prp_gym.tuning import TunedController, Validation
-from prp_gym.tuning import tuned_controller as tuned_law
+from prp_gym.tuning import TunedController, Validation, tuned_controller
 from tests.support.synthetic_agents_to_compare import save
 
 RUNNER = CliRunner()
 ID = "PRP-JointTracking-v0"
 WIDTH = 120
 ROUNDING = 1e-12  # of a few sums and quotients in double precision
-LAWS = ("joint_pd", "joint_inverse_dynamics")
+CONTROLLERS = ("joint_pd", "joint_inverse_dynamics")
 GAINS = {"proportional_gain": [50.0, 500.0, 50.0], "derivative_gain": [15.0, 150.0, 15.0]}
 TUNED = TunedController(
     environment=ID,
@@ -57,7 +56,7 @@ TUNED = TunedController(
 OPTIONS = [
     "--env",
     ID,
-    *(item for controller in LAWS for item in ("--baseline", controller)),
+    *(item for controller in CONTROLLERS for item in ("--baseline", controller)),
     "--episodes",
     "3",
 ]
@@ -65,14 +64,14 @@ POLICIES = ["joint_pd", "joint_inverse_dynamics", "joint_pd (budget)", "ppo_torq
 
 
 def shipped_in(folder: Path) -> dict[str, Path]:
-    """Tuned laws of a folder in the place of the package's, by name."""
+    """Tuned controllers of a folder in the place of the package's, by name."""
     paths = {f"{ID}/{controller}": folder / f"{ID}_{controller}.json" for controller in BASELINES}
     return {name: path for name, path in paths.items() if path.is_file()}
 
 
 @pytest.fixture(autouse=True)
 def small_world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Short episodes, two tiny agents of one group, a tuned law, no terminal."""
+    """Short episodes, two tiny agents of one group, a tuned controller, no terminal."""
     for name in ("FORCE_COLOR", "TTY_COMPATIBLE", "COLUMNS"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=0.2))
@@ -80,7 +79,7 @@ def small_world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     for seed in (0, 1):
         save(tmp_path / "trained" / ID / f"ppo_torque_seed_{seed}", seed)
     write_json(tmp_path / "equal_budget" / f"{ID}_joint_pd.json", asdict(TUNED))
-    monkeypatch.setattr(tuned_law, "_shipped", lambda: shipped_in(tmp_path / "equal_budget"))
+    monkeypatch.setattr(tuned_controller, "_shipped", lambda: shipped_in(tmp_path / "equal_budget"))
 
 
 def run(folder: Path, *options: str) -> tuple[dict[str, Any], str, str]:
@@ -91,7 +90,7 @@ def run(folder: Path, *options: str) -> tuple[dict[str, Any], str, str]:
     return content, result.stdout, " ".join(result.stderr.split())
 
 
-def test_comparison_plays_every_policy_and_writes_results_and_pictures(tmp_path: Path) -> None:
+def test_comparison_runs_every_policy_and_writes_results_and_pictures(tmp_path: Path) -> None:
     content, output, error = run(tmp_path / "out")
     assert error == ""
     files = {path.name for path in (tmp_path / "out").iterdir()}
@@ -115,7 +114,7 @@ def test_comparison_plays_every_policy_and_writes_results_and_pictures(tmp_path:
         assert title in output
 
 
-def test_policies_are_played_as_the_evaluator_plays_them(tmp_path: Path) -> None:
+def test_policies_are_run_as_the_evaluator_runs_them(tmp_path: Path) -> None:
     content, _, _ = run(tmp_path / "out", "--scenario", "randomized", "--seed", "4")
     env = gymnasium.make(ID, scenario="randomized", control_frequency=500.0)
     controller = make_baseline("joint_pd", env, "tuned")
@@ -170,10 +169,10 @@ def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
     assert [len(audit["policies"]) for audit in content["audits"]] == [len(POLICIES)] * 2
 
 
-def test_audit_plays_every_law_also_with_its_other_stable_gains(tmp_path: Path) -> None:
+def test_audit_runs_every_controller_also_with_its_other_stable_gains(tmp_path: Path) -> None:
     content, output, _ = run(tmp_path / "out", "--scenario", "report", "--audit")
     varied = {row["policy"]: row for row in content["evaluations"] if row["kind"] == "varied"}
-    pd, inverse = LAWS
+    pd, inverse = CONTROLLERS
     # figures of joint_pd are unstable at 500 Hz
     names = {f"{pd} (report)", f"{pd} (tuned_50hz)"}
     names |= {f"{inverse} ({gains})" for gains in ("report", "figures", "fast", "tuned_50hz")}
@@ -193,7 +192,7 @@ def test_audit_plays_every_law_also_with_its_other_stable_gains(tmp_path: Path) 
     assert content["aggregates"] == run(tmp_path / "other", "--scenario", "report")[0]["aggregates"]
 
 
-def test_deterministic_scenario_is_played_once_and_nothing_learned_leaves_no_curves(
+def test_deterministic_scenario_is_run_once_and_nothing_learned_leaves_no_curves(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(agent_file, "TRAINED", tmp_path / "none")
@@ -230,7 +229,7 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
     assert error == ""
 
 
-def test_agent_that_was_trained_anew_is_played_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_agent_that_was_trained_anew_is_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         patch.setattr("prp_gym.runs.store.JobStore.remove", lambda *_: None)
         run(tmp_path / "out", "--scenario", "randomized")
@@ -276,7 +275,7 @@ def test_agent_of_an_environment_that_was_not_chosen_is_refused(tmp_path: Path) 
     assert "environment of agent" in str(result.exception)
 
 
-def test_tuned_law_in_the_file_of_another_is_refused(tmp_path: Path) -> None:
+def test_tuned_controller_in_the_file_of_another_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
     path.rename(path.with_name(f"{ID}_joint_inverse_dynamics.json"))
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
@@ -284,7 +283,7 @@ def test_tuned_law_in_the_file_of_another_is_refused(tmp_path: Path) -> None:
     assert f"is '{ID}/joint_pd'; allowed: {ID}/joint_inverse_dynamics" in str(result.exception)
 
 
-def test_damaged_file_of_a_tuned_law_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+def test_damaged_file_of_a_tuned_controller_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
     path.write_text(path.read_text(encoding="utf-8").replace("trials", "trails"), encoding="utf-8")
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])

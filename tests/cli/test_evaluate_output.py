@@ -1,4 +1,4 @@
-"""What `prp-gym evaluate` plays, writes and prints."""
+"""What `prp-gym evaluate` runs, writes and prints."""
 
 import json
 import sys
@@ -35,7 +35,7 @@ def results_of(folder: Path) -> dict[str, Any]:
     return content
 
 
-def pairs_of(content: dict[str, Any]) -> list[tuple[str, str, str]]:
+def jobs_of(content: dict[str, Any]) -> list[tuple[str, str, str]]:
     return [(row["environment"], row["scenario"], row["baseline"]) for row in content["evaluations"]]
 
 
@@ -48,11 +48,17 @@ def run_evaluate(folder: Path, *options: str) -> str:
 
 @pytest.fixture
 def short_episodes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Episodes of a few steps, where many pairs are evaluated and their scores are of no concern."""
+    """Episodes of a few steps, where many jobs are evaluated and their scores are of no concern."""
     monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=0.02))
 
 
-def test_evaluate_covers_every_pair_unless_told_otherwise(short_episodes: None, tmp_path: Path) -> None:
+@pytest.fixture
+def half_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Episodes that are long enough for scores that differ."""
+    monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=0.5))
+
+
+def test_evaluate_covers_every_job_unless_told_otherwise(short_episodes: None, tmp_path: Path) -> None:
     output = run_evaluate(tmp_path, "--episodes", "1")
     expected = []
     for environment_id in list_envs():
@@ -64,7 +70,7 @@ def test_evaluate_covers_every_pair_unless_told_otherwise(short_episodes: None, 
             for scenario in ("report", "randomized")
             for controller in controllers
         ]
-    assert pairs_of(results_of(tmp_path)) == expected
+    assert jobs_of(results_of(tmp_path)) == expected
     for environment_id, scenario, controller in expected:
         assert f"{environment_id}, scenario {scenario}" in output
         assert controller in output
@@ -91,7 +97,7 @@ def test_evaluate_writes_what_the_evaluator_finds(tmp_path: Path, scenario: str)
 
 def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     options = ["evaluate", "--env", list_envs()[0], "--scenario", "report", "--episodes", "1"]
-    options += ["--jobs", "1", "--output", str(tmp_path / "a b")]
+    options += ["--baseline", "joint_pd", "--jobs", "1", "--output", str(tmp_path / "a b")]
     monkeypatch.setattr(sys, "argv", ["/somewhere/prp-gym", *options])
     with pytest.raises(SystemExit) as caught:
         main()
@@ -102,7 +108,7 @@ def test_evaluate_tells_what_the_results_depend_on(tmp_path: Path, monkeypatch: 
     assert set(content["units"]) == set(METRICS)
 
 
-def test_evaluate_prints_whole_tables_best_law_first(tmp_path: Path) -> None:
+def test_evaluate_prints_whole_tables_best_controller_first(half_a_second: None, tmp_path: Path) -> None:
     output = run_evaluate(tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1")
     assert "…" not in output
     assert max(map(len, output.splitlines())) <= WIDTH
@@ -121,21 +127,23 @@ def test_evaluate_takes_an_option_several_times(short_episodes: None, tmp_path: 
     options = [item for controller in reversed(list(BASELINES)) for item in ("--baseline", controller)]
     options += [item for environment_id in list_envs() for item in ("--env", environment_id)]
     run_evaluate(tmp_path, *options, "--scenario", "report", "--episodes", "1")
-    pairs = pairs_of(results_of(tmp_path))
-    assert {controller for _, _, controller in pairs} == set(BASELINES)
-    assert {environment_id for environment_id, _, _ in pairs} == set(list_envs())
-    assert {scenario for _, scenario, _ in pairs} == {"report"}
+    jobs = jobs_of(results_of(tmp_path))
+    assert {controller for _, _, controller in jobs} == set(BASELINES)
+    assert {environment_id for environment_id, _, _ in jobs} == set(list_envs())
+    assert {scenario for _, scenario, _ in jobs} == {"report"}
 
 
 @pytest.mark.parametrize("gains", COMMON_SETS)
-def test_evaluate_takes_every_set_that_all_laws_have(tmp_path: Path, gains: str) -> None:
+def test_evaluate_takes_every_set_that_all_controllers_have(
+    short_episodes: None, tmp_path: Path, gains: str
+) -> None:
     run_evaluate(
         tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1", "--gains", gains
     )
     assert {row["settings"]["gains"] for row in results_of(tmp_path)["evaluations"]} == {gains}
 
 
-def test_evaluate_twice_gives_the_same_numbers(tmp_path: Path) -> None:
+def test_evaluate_twice_gives_the_same_numbers(half_a_second: None, tmp_path: Path) -> None:
     contents = []
     for folder in (tmp_path / "first", tmp_path / "second"):
         run_evaluate(folder, "--env", list_envs()[0], "--scenario", "randomized", "--episodes", "2")

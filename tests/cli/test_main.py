@@ -17,6 +17,7 @@ from prp_gym.cli.main import app, main
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
 from tests.cli.test_evaluate_output import COMMON_SETS, WIDTH, results_of
+from tests.support.controller_episodes import controllers_of
 
 RUNNER = CliRunner()
 
@@ -44,7 +45,7 @@ def refusal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
     return " ".join(error.split())
 
 
-def test_list_of_modes_names_them_all_with_their_laws() -> None:
+def test_list_of_modes_names_them_all_with_their_inner_controllers() -> None:
     result = RUNNER.invoke(app, ["list", "--modes"])
     assert result.exit_code == 0
     rows = [line.split() for line in plain(result.output).splitlines() if line.strip()]
@@ -122,7 +123,7 @@ def test_command_line_that_cannot_be_read_is_refused(
     assert fault in error.split("Error")[1]
 
 
-def test_list_shows_every_environment_law_scenario_and_gain_set() -> None:
+def test_list_shows_every_environment_controller_scenario_and_gain_set() -> None:
     result = RUNNER.invoke(app, ["list"])
     assert result.exit_code == 0
     assert "…" not in result.stdout
@@ -142,7 +143,7 @@ def test_list_shows_every_environment_law_scenario_and_gain_set() -> None:
         assert set(re.split(r"[\s,]+", summary)) <= set(words)  # a long one takes several lines
 
 
-def test_list_tells_which_law_runs_where_and_why_not() -> None:
+def test_list_tells_which_controller_runs_where_and_why_not() -> None:
     output = RUNNER.invoke(app, ["list", "--matrix"]).stdout
     assert "…" not in output
     assert max(map(len, output.splitlines())) <= WIDTH
@@ -184,18 +185,18 @@ def test_help_names_every_command_and_option() -> None:
 
 COMMAND = [str(Path(sys.executable).with_name("prp-gym"))]
 MODULE = [sys.executable, "-m", "prp_gym.cli.main"]
+SMALLEST = min(list_envs(), key=lambda name: len(controllers_of(name)))
+"""The environment with the fewest controllers."""
 
 
 @pytest.mark.parametrize("program", [COMMAND, MODULE], ids=["command", "module"])
 def test_program_evaluates_and_keeps_progress_off_standard_output(tmp_path: Path, program: list[str]) -> None:
-    options = ["evaluate", "--env", list_envs()[0], "--scenario", "report", "--episodes", "1"]
+    options = ["evaluate", "--env", SMALLEST, "--scenario", "report", "--episodes", "1"]
     done = subprocess.run(
         [*program, *options], cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=True
     )
-    made = gymnasium.make(list_envs()[0])
-    eligible = list_baselines(made.get_wrapper_attr("observation_layout"))
-    assert [controller for controller in eligible if controller not in done.stdout] == []
-    assert done.stdout.startswith(f"{list_envs()[0]}, scenario report")
+    assert [controller for controller in controllers_of(SMALLEST) if controller not in done.stdout] == []
+    assert done.stdout.startswith(f"{SMALLEST}, scenario report")
     assert results_of(tmp_path / "results")["command"] == f"prp-gym {' '.join(options)}"
 
 
@@ -210,7 +211,7 @@ def test_program_refuses_with_exit_code_two_and_no_traceback(tmp_path: Path) -> 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_folder_that_cannot_be_written_is_refused_before_anything_is_played(tmp_path: Path) -> None:
+def test_folder_that_cannot_be_written_is_refused_before_anything_is_run(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("mine")
     options = ("--env", list_envs()[0], "--scenario", "report", "--output", str(blocked))

@@ -77,7 +77,7 @@ def test_finished_seeds_are_told_and_only_the_others_trained(tmp_path: Path) -> 
     assert run["command"].startswith("prp-gym ")
 
 
-@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+@pytest.mark.parametrize("algorithm", ["sac"])  # whose checkpoints have most in them
 def test_training_that_was_killed_goes_on_to_the_same_number_of_steps(tmp_path: Path, algorithm: str) -> None:
     long = ("--set", "n_timesteps=2000", "--jobs", "1")
     folder = tmp_path / ID / f"{algorithm}_torque" / "seed_0"

@@ -1,4 +1,4 @@
-"""What `prp-gym tune` plays, writes and prints."""
+"""What `prp-gym tune` runs, writes and prints."""
 
 import json
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What environments in every mode owe to Gymnasium and Stable-Baselines3."""
+"""Conformance of environments in every action mode to Gymnasium and Stable-Baselines3."""
 
 from typing import Any
 
@@ -45,7 +45,7 @@ def test_observation_stays_in_its_space_under_full_actions(
         assert np.isfinite(list(info.values())).all()
 
 
-def test_pictures_are_drawn_once_an_action(drawing: None) -> None:
+def test_frames_are_drawn_once_for_each_action(drawing: None) -> None:
     env = made("PRP-Impedance-v0", "impedance", control_frequency=50, render_mode="rgb_array", width=64)
     env.reset(seed=0)
     before = env.render()

@@ -61,7 +61,7 @@ def test_state_starts_anew_only_where_an_episode_starts(environment_id: str, con
     going, mixed, fresh = state, state, None
     restart = np.array([False, True, False])
     begun = policy.initial_state(policy.interface.layout.split(after[0]))
-    remembers = any((old != new)[1].any() for old, new in zip(state or (), begun, strict=True))
+    is_stateful = any((old != new)[1].any() for old, new in zip(state or (), begun, strict=True))
     for index, observation in enumerate(after):
         flags = restart if index == 0 else np.zeros(3, dtype=np.bool_)
         kept, going = policy.predict(observation, going, np.zeros(3, dtype=np.bool_))
@@ -70,10 +70,10 @@ def test_state_starts_anew_only_where_an_episode_starts(environment_id: str, con
         np.testing.assert_array_equal(action, np.where(restart[:, None], new, kept))
         for part, old, anew in zip(mixed or (), going or (), fresh or (), strict=True):
             np.testing.assert_array_equal(part, np.where(restart[:, None], anew, old))
-        if remembers and index == 0:  # to start anew makes a difference
+        if is_stateful and index == 0:  # to start anew makes a difference
             assert any((old != anew)[1].any() for old, anew in zip(going or (), fresh or (), strict=True))
-    # a force law off the surface has nothing to remember yet
-    assert remembers == (state is not None) or controller == "parallel_force_position"
+    # the state of a force controller off the surface is still the initial one
+    assert is_stateful == (state is not None) or controller == "parallel_force_position"
 
 
 def returns_in_a_row(env: Any, policy: Any, seed: int) -> list[float]:
@@ -92,7 +92,7 @@ def returns_in_a_row(env: Any, policy: Any, seed: int) -> list[float]:
 
 
 @everywhere
-def test_evaluator_of_stable_baselines_plays_the_same_episodes(environment_id: str, controller: str) -> None:
+def test_evaluator_of_stable_baselines_runs_the_same_episodes(environment_id: str, controller: str) -> None:
     """`VecEnv.seed(s)` seeds the first reset of the i-th environment with s + i; later resets go on from it.
 
     A single environment is put into a vector of one by the evaluator, which seeds nothing: the generator of
@@ -101,20 +101,20 @@ def test_evaluator_of_stable_baselines_plays_the_same_episodes(environment_id: s
     single = partial(make, environment_id, scenario="randomized", duration=0.05)
     env = single()
     policy: Any = make_baseline(controller, env)
-    played = np.array([returns_in_a_row(env, policy, seed) for seed in (11, 12, 13)])
+    in_a_row = np.array([returns_in_a_row(env, policy, seed) for seed in (11, 12, 13)])
     ours = [rollout.reward.sum() for rollout in evaluate(policy, env, episodes=3, seed=11).rollouts]
-    np.testing.assert_allclose(played[:, 0], ours, rtol=1e-14)  # sums in another order
+    np.testing.assert_allclose(in_a_row[:, 0], ours, rtol=1e-14)  # sums in another order
     vector = DummyVecEnv([single] * 3)
     vector.seed(11)
     returns, lengths = evaluate_policy(policy, vector, 6, return_episode_rewards=True, warn=False)
     assert lengths == [25] * 6
     # rewards are float32 in a DummyVecEnv: 25 of at most 2e-3 s, each rounded to 6e-8 of itself
-    np.testing.assert_allclose(returns, played.T.ravel(), rtol=0, atol=1e-8)
+    np.testing.assert_allclose(returns, in_a_row.T.ravel(), rtol=0, atol=1e-8)
     monitored = Monitor(single())
     monitored.reset(seed=11)
     state = monitored.unwrapped.np_random.bit_generator.state
     mean, _ = evaluate_policy(policy, monitored, n_eval_episodes=1)
     monitored.unwrapped.np_random.bit_generator.state = state
     again, _ = evaluate_policy(policy, monitored, n_eval_episodes=1)
-    assert mean == again == pytest.approx(played[0, 1], abs=1e-6)  # Monitor rounds to 1e-6
+    assert mean == again == pytest.approx(in_a_row[0, 1], abs=1e-6)  # Monitor rounds to 1e-6
     env.close()

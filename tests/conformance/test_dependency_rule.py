@@ -100,10 +100,10 @@ def modules() -> dict[str, Path]:
     """Every module of the suite by its import name; the links inside prp_gym are not followed."""
     found = {}
     for folder, package in PACKAGES.items():
-        for place, _, names in os.walk(ROOT / folder, followlinks=False):
+        for root, _, names in os.walk(ROOT / folder, followlinks=False):
             for name in names:
                 if name.endswith(".py"):
-                    path = Path(place) / name
+                    path = Path(root) / name
                     inner = path.relative_to(ROOT / folder).with_suffix("").parts
                     found[".".join([package, *(step for step in inner if step != "__init__")])] = path
     return found

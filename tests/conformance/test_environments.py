@@ -1,4 +1,4 @@
-"""What every environment of the suite owes to Gymnasium, Stable-Baselines3 and reproducibility."""
+"""Conformance of every environment to Gymnasium and Stable-Baselines3, and its reproducibility."""
 
 import copy
 import pickle
@@ -57,12 +57,12 @@ def random_actions(env: PRPEnv, count: int, seed: int = 1) -> Array:
 
 
 def full_actions(env: PRPEnv) -> Array:
-    """The nominal limits' torques (joints)."""
+    """An action of the nominal torque limits (joints)."""
     return np.array(env.arm.parameters.torque_limit) / env.torque_limit
 
 
 def still(env: PRPEnv) -> Array:
-    """No torques (joints)."""
+    """A zero action (joints)."""
     return np.zeros(len(env.torque_limit))
 
 
@@ -84,8 +84,8 @@ def assert_touching(env: PRPEnv, outcomes: list[Outcome]) -> None:
     assert not start_of(env) or any(outcome[4]["contact_force"] > 0.0 for outcome in outcomes)
 
 
-def play(env: PRPEnv, actions: Array) -> list[Outcome]:
-    """Up to a divergence: without joint stops the slide may be flung out within seconds."""
+def run(env: PRPEnv, actions: Array) -> list[Outcome]:
+    """Step up to a divergence: without joint stops the slide may be flung out within seconds."""
     outcomes: list[Outcome] = []
     for action in actions:
         outcomes.append(env.step(action))
@@ -95,7 +95,7 @@ def play(env: PRPEnv, actions: Array) -> list[Outcome]:
 
 
 def assert_same(outcomes: list[Outcome], expected: list[Outcome]) -> None:
-    """To the last bit."""
+    """Assert equality to the last bit."""
     for outcome, other in zip(outcomes, expected, strict=True):
         np.testing.assert_array_equal(outcome[0], other[0])
         assert outcome[1:] == other[1:]
@@ -105,7 +105,7 @@ def test_gymnasiums_checker_is_satisfied(environment_id: str, scenario: str) -> 
     check_env(made(environment_id, scenario), skip_render_check=True)
 
 
-def test_gymnasiums_checker_is_satisfied_with_pictures(drawing: None, environment_id: str) -> None:
+def test_gymnasiums_checker_is_satisfied_with_frames(drawing: None, environment_id: str) -> None:
     env = made(environment_id, "realistic", render_mode="rgb_array", width=64, height=48)
     check_env(env)
     frame = env.render()
@@ -118,7 +118,7 @@ def test_stable_baselines3s_checker_is_satisfied(environment_id: str, scenario: 
     check_env_for_sb3(made(environment_id, scenario), warn=True, skip_render_check=True)
 
 
-def test_stable_baselines3s_checker_is_satisfied_with_pictures(drawing: None, environment_id: str) -> None:
+def test_stable_baselines3s_checker_is_satisfied_with_frames(drawing: None, environment_id: str) -> None:
     env = made(environment_id, "randomized", render_mode="rgb_array", width=64, height=64)
     check_env_for_sb3(env, warn=True, skip_render_check=False)
     env.close()
@@ -137,7 +137,7 @@ def test_environment_that_has_drawn_can_be_copied_and_draws_the_same(
     env.close()
 
 
-def test_depth_pictures_are_distances(drawing: None, environment_id: str) -> None:
+def test_depth_frames_are_distances(drawing: None, environment_id: str) -> None:
     env = made(environment_id, "report", render_mode="depth_array", width=64, height=48, camera="top")
     env.reset(seed=0)
     frame = env.render()
@@ -149,20 +149,20 @@ def test_depth_pictures_are_distances(drawing: None, environment_id: str) -> Non
     env.close()
 
 
-def test_reset_forgets_all_that_was_before(environment_id: str, scenario: str) -> None:
+def test_reset_discards_the_whole_state(environment_id: str, scenario: str) -> None:
     """The hidden warm start of the solver included: the new episode begins against the joint stops."""
     used, fresh = made(environment_id, scenario), made(environment_id, scenario)
     joints = len(used.torque_limit)
     edge = {"joint_position": NOMINAL.joint_upper[:joints], "joint_velocity": (1.0, 0.5, 1.0)[:joints]}
     for options in ({}, edge, start_of(used)):
         used.reset(seed=7, options=start_of(used))
-        play(used, random_actions(used, 100, seed=2))
-        play(used, full_actions(used) * np.ones((200, 1)))
+        run(used, random_actions(used, 100, seed=2))
+        run(used, full_actions(used) * np.ones((200, 1)))
         again, _ = used.reset(seed=1234, options=options)
         first, _ = fresh.reset(seed=1234, options=options)
         np.testing.assert_array_equal(again, first)
         actions = random_actions(fresh, 150)
-        assert_same(play(used, actions), play(fresh, actions))
+        assert_same(run(used, actions), run(fresh, actions))
 
 
 def test_same_seed_gives_the_same_episode_to_the_last_bit(environment_id: str, scenario: str) -> None:
@@ -170,7 +170,7 @@ def test_same_seed_gives_the_same_episode_to_the_last_bit(environment_id: str, s
     for _ in range(2):
         env = made(environment_id, scenario, duration=SOME)
         first, info = env.reset(seed=42)
-        steps = play(env, random_actions(env, env.config.horizon))
+        steps = run(env, random_actions(env, env.config.horizon))
         assert steps[-1][2] or steps[-1][3]
         episodes.append([(first, 0.0, False, False, info), *steps])
     assert_same(*episodes)
@@ -211,7 +211,7 @@ def test_observation_stays_in_its_space_whatever_the_actions(
 def test_reward_is_the_sum_of_its_terms_in_info(environment_id: str, scenario: str) -> None:
     env = made(environment_id, scenario)
     env.reset(seed=5)
-    for _, reward, _, _, info in play(env, random_actions(env, 50)):
+    for _, reward, _, _, info in run(env, random_actions(env, 50)):
         terms = {name: value for name, value in info.items() if name.startswith("reward_")}
         assert set(terms) == {f"reward_{term.name}" for term in env.task.numbers.reward}
         # few terms, added in another order perhaps
@@ -222,7 +222,7 @@ def test_info_is_what_was_declared(environment_id: str, scenario: str) -> None:
     env = made(environment_id, scenario, control_frequency=50)
     _, info = env.reset(seed=0)
     assert info == {"time": 0.0}
-    for count, (*_, info) in enumerate(play(env, np.tile(still(env), (3, 1))), start=1):
+    for count, (*_, info) in enumerate(run(env, np.tile(still(env), (3, 1))), start=1):
         assert list(info) == [field.name for field in env.info_fields]
         assert info["time"] == pytest.approx(count / 50, rel=1e-15)  # one rounding
         assert all(isinstance(value, float) for value in info.values())
@@ -235,7 +235,7 @@ def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scena
     for episode in range(2):
         env.reset(seed=episode)
         steps = round(0.3 * rate)
-        outcomes = play(env, random_actions(env, steps))
+        outcomes = run(env, random_actions(env, steps))
         assert [outcome[3] for outcome in outcomes] == [False] * (steps - 1) + [True]
         assert not any(outcome[2] for outcome in outcomes)
         assert outcomes[-1][4]["time"] == pytest.approx(0.3, rel=1e-15)  # one rounding
@@ -244,7 +244,7 @@ def test_episode_is_truncated_exactly_at_its_duration(environment_id: str, scena
 def test_return_lies_between_zero_and_the_duration(environment_id: str, scenario: str) -> None:
     env = made(environment_id, scenario, duration=SOME)
     env.reset(seed=11)
-    outcomes = play(env, random_actions(env, env.config.horizon))
+    outcomes = run(env, random_actions(env, env.config.horizon))
     assert outcomes[-1][2] or outcomes[-1][3]
     assert 0.0 < sum(outcome[1] for outcome in outcomes) <= env.duration
 
@@ -256,13 +256,13 @@ def test_copy_made_in_an_episode_goes_on_as_the_original(
     env = made(environment_id, scenario)
     env.reset(seed=21, options=start_of(env))
     actions = random_actions(env, 600)
-    play(env, actions[:20])
+    run(env, actions[:20])
     clone = COPIES[how](env)
-    expected = play(env, actions[20:])  # past the blocks of noise and of reference
+    expected = run(env, actions[20:])  # past the blocks of noise and of reference
     assert_touching(env, expected)
-    assert_same(play(clone, actions[20:]), expected)
+    assert_same(run(clone, actions[20:]), expected)
     np.testing.assert_array_equal(clone.reset()[0], env.reset()[0])
-    assert_same(play(clone, actions[:20]), play(env, actions[:20]))
+    assert_same(run(clone, actions[:20]), run(env, actions[:20]))
 
 
 def test_saved_state_brings_back_the_same_future_here_and_elsewhere(
@@ -271,18 +271,18 @@ def test_saved_state_brings_back_the_same_future_here_and_elsewhere(
     env, other = made(environment_id, scenario), made(environment_id, scenario)
     env.reset(seed=31, options=start_of(env))
     actions = random_actions(env, 600)
-    observation = play(env, actions[:20])[-1][0]
+    observation = run(env, actions[:20])[-1][0]
     state = env.get_state()
     kept = pickle.loads(pickle.dumps(state))
-    expected = play(env, actions[20:])
+    expected = run(env, actions[20:])
     assert_touching(env, expected)
     following, _ = env.reset()
     other.reset(seed=32)
-    play(other, actions[:7])
+    run(other, actions[:7])
     for target, saved in ((env, state), (other, kept), (other, state), (env, kept)):
         # `state` unchanged by what env did since, or it would no longer lead to the same future
         np.testing.assert_array_equal(target.set_state(saved), observation)
-        assert_same(play(target, actions[20:]), expected)
+        assert_same(run(target, actions[20:]), expected)
         np.testing.assert_array_equal(target.reset()[0], following)
 
 
@@ -291,4 +291,4 @@ def test_state_may_be_set_before_the_first_reset(environment_id: str, scenario: 
     observation, _ = env.reset(seed=1)
     np.testing.assert_array_equal(fresh.set_state(env.get_state()), observation)
     actions = random_actions(env, 20)
-    assert_same(play(fresh, actions), play(env, actions))
+    assert_same(run(fresh, actions), run(env, actions))

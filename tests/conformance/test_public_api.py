@@ -97,7 +97,7 @@ def test_registering_again_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("environment_id", prp_gym.list_envs())
-def test_environment_and_law_from_public_names_alone(environment_id: str) -> None:
+def test_environment_and_controller_from_public_names_alone(environment_id: str) -> None:
     env = gymnasium.make(f"prp_gym:{environment_id}", duration=0.1)
     policy = prp_gym.make_baseline(prp_gym.list_baselines()[0], env, gains="report")
     evaluation = prp_gym.evaluate(policy, env, episodes=1)
@@ -118,7 +118,7 @@ def test_import_is_light() -> None:
     assert loaded.isdisjoint(HEAVY)
 
 
-def test_environment_and_law_need_neither_torch_nor_the_command_line_s_libraries() -> None:
+def test_environment_and_controller_need_neither_torch_nor_the_command_line_s_libraries() -> None:
     code = (
         "import gymnasium, json, sys, prp_gym;"
         "env = gymnasium.make(prp_gym.list_envs()[0], duration=0.1);"
@@ -150,7 +150,7 @@ def graphics(library: str | None, **variables: str) -> str | None:
         ("libEGL.so.1", {"MUJOCO_GL": "glfw", "DISPLAY": ":0"}, "glfw"),
     ],
 )
-def test_pictures_are_drawn_with_egl_where_there_is_no_display(
+def test_frames_are_drawn_with_egl_where_there_is_no_display(
     library: str | None, variables: dict[str, str], expected: str | None
 ) -> None:
     assert graphics(library, **variables) == expected

@@ -56,7 +56,7 @@ def test_id_leads_to_its_own_environment(entry: TaskSpec) -> None:
     assert entry.entry.compose.__doc__
 
 
-def test_declarations_are_told_apart() -> None:
+def test_declarations_are_distinct() -> None:
     specs = list(TASKS.values())
     assert len({spec.summary for spec in specs}) == len({spec.numbers for spec in specs}) == len(specs)
 

@@ -19,7 +19,7 @@ TRACKING = "PRP-JointTracking-v0"
 
 
 class Half:
-    """A policy that always asks for the middle of the upper half of the original action range."""
+    """A policy that always commands the middle of the upper half of the original action range."""
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
@@ -27,7 +27,7 @@ class Half:
         return np.full(3, 0.5, dtype=np.float32), state
 
 
-def test_recorded_torques_are_those_of_the_drives_behind_a_wrapper() -> None:
+def test_recorded_torques_are_those_of_the_actuators_behind_a_wrapper() -> None:
     env = RescaleAction(gymnasium.make(TRACKING, duration=0.1), np.float32(-2), np.float32(2))
     rollout = record_episode(Half(), env, seed=0)
     # 0.5 of [-2, 2] is a quarter of the limits
@@ -35,7 +35,7 @@ def test_recorded_torques_are_those_of_the_drives_behind_a_wrapper() -> None:
     np.testing.assert_array_equal(rollout.applied_torque, rollout.torque)
 
 
-def test_applied_torques_come_late_and_noisy_in_the_realistic_scenario() -> None:
+def test_applied_torques_have_delay_and_noise_in_the_realistic_scenario() -> None:
     env = gymnasium.make(TRACKING, scenario="realistic", duration=1.0)
     policy = prp_gym.make_baseline("joint_pd", env)
     rollout = record_episode(policy, env, seed=3)
@@ -45,14 +45,16 @@ def test_applied_torques_come_late_and_noisy_in_the_realistic_scenario() -> None
 
 
 @pytest.mark.parametrize("controller", ["joint_pd", "joint_inverse_dynamics"])
-def test_tuned_gains_are_refused_at_rates_for_which_they_were_not_made(controller: str) -> None:
+def test_tuned_gains_are_refused_at_control_frequencies_for_which_they_were_not_tuned(
+    controller: str,
+) -> None:
     env = gymnasium.make(TRACKING, control_frequency=50)
     with pytest.raises(InvalidValueError, match=r"control_frequency is 50\.0 Hz; allowed: at least 500"):
         prp_gym.make_baseline(controller, env)
     assert prp_gym.make_baseline(controller, env, "tuned_50hz").interface.period == 0.02
 
 
-def test_every_tuned_set_says_for_which_rate_it_is() -> None:
+def test_every_tuned_set_declares_its_control_frequency() -> None:
     for controller in BASELINES:
         # impedance has no motion control inside that would need more
         rates = {"tuned": 50.0 if controller == "impedance" else 500.0, "tuned_50hz": 50.0}
@@ -83,7 +85,7 @@ def test_springs_do_not_depend_on_how_often_masses_were_drawn() -> None:
     np.testing.assert_array_equal(once.model().pair_solreffriction, often.model().pair_solreffriction)
 
 
-def test_torque_of_the_physics_cannot_be_written_past_its_check() -> None:
+def test_torque_of_the_physics_cannot_be_set_without_its_check() -> None:
     physics = Physics()
     with pytest.raises(ValueError, match="read-only"):
         physics.torque[:] = np.nan

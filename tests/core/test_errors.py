@@ -18,19 +18,22 @@ from prp_gym.errors import (
     MissingPackageError,
     NonFiniteError,
     OutputError,
+    PluginError,
+    PolicyOutputError,
     PRPError,
     RenderingError,
     RunFolderError,
     ShapeError,
     UnknownNameError,
     UnreachableError,
+    UserCodeError,
 )
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
 NAMES = st.lists(st.text("abcdefgh_", min_size=3, max_size=12), min_size=1, max_size=6, unique=True)
-LAWS = ("joint_pd", "joint_inverse_dynamics", "impedance", "admittance")
+CONTROLLERS = ("joint_pd", "joint_inverse_dynamics", "impedance", "admittance")
 WITH_FACTS = [
-    UnknownNameError("controller", "impedence", LAWS),
+    UnknownNameError("controller", "impedence", CONTROLLERS),
     InvalidValueError("duration", -1.0, "above 0", "s"),
     ShapeError("action", (2,), "(3,)"),
     NonFiniteError("action", [0.0, float("nan"), 0.0]),
@@ -41,6 +44,9 @@ WITH_FACTS = [
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
     GainsFileError("my.toml", "No such file or directory"),
+    PluginError("my_tasks", "no such module", "my_tasks.py", 3),
+    UserCodeError("my_controller.py", 12, "ValueError: no gains", "PRP-Force-v0"),
+    PolicyOutputError("MyPolicy", "a list", (3,)),
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
 ]
@@ -69,7 +75,8 @@ def test_examples_cover_every_class_of_the_module() -> None:
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
     of_a_state = (
-        CheckpointError | EpisodeError | MissingPackageError | OutputError | RenderingError | RunFolderError
+        *(CheckpointError, EpisodeError, MissingPackageError, OutputError, PluginError),
+        *(RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 
@@ -85,23 +92,23 @@ def test_message_tells_every_fact(error: PRPError) -> None:
 
 
 def test_unknown_name_suggests_the_nearest_and_lists_all_in_order() -> None:
-    error = UnknownNameError("controller", "impedence", iter(LAWS))
+    error = UnknownNameError("controller", "impedence", iter(CONTROLLERS))
     assert str(error) == (
         "unknown controller 'impedence'. Did you mean 'impedance'?"
         " Valid: admittance, impedance, joint_inverse_dynamics, joint_pd."
     )
-    assert (error.kind, error.name, error.valid) == ("controller", "impedence", tuple(sorted(LAWS)))
+    assert (error.kind, error.name, error.valid) == ("controller", "impedence", tuple(sorted(CONTROLLERS)))
 
 
 def test_unknown_name_far_from_all_gets_no_suggestion() -> None:
-    message = str(UnknownNameError("controller", "zzz", LAWS))
+    message = str(UnknownNameError("controller", "zzz", CONTROLLERS))
     assert "Did you mean" not in message
     assert "joint_pd" in message
 
 
 @pytest.mark.parametrize("name", [None, 3, ("a", "b")])
 def test_unknown_name_may_be_anything(name: object) -> None:
-    assert repr(name) in str(UnknownNameError("controller", name, LAWS))
+    assert repr(name) in str(UnknownNameError("controller", name, CONTROLLERS))
 
 
 def test_unknown_name_says_when_nothing_is_valid() -> None:
@@ -142,7 +149,7 @@ def test_unreachable_point_shows_point_residual_and_reasons() -> None:
     assert "misses it by 0.25 m; broken: first; second." in str(error)
 
 
-def test_missing_field_shows_law_missing_and_given_fields() -> None:
+def test_missing_field_shows_controller_missing_and_given_fields() -> None:
     error = MissingFieldError("impedance", ["contact_force"], ["joint_position"])
     assert str(error) == (
         "controller 'impedance' reads observation fields that this environment does not give: contact_force."
@@ -157,13 +164,13 @@ def test_missing_package_shows_the_command_that_installs_it() -> None:
 
 
 @pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)
-def test_error_survives_the_way_between_processes(error: PRPError) -> None:
+def test_error_survives_the_transfer_between_processes(error: PRPError) -> None:
     back = pickle.loads(pickle.dumps(error))
     assert str(back) == str(error)
     assert repr(vars(back)) == repr(vars(error))
 
 
 @pytest.mark.parametrize("error", WITHOUT_FACTS, ids=class_name)
-def test_error_without_facts_survives_the_way_between_processes(error: PRPError) -> None:
+def test_error_without_facts_survives_the_transfer_between_processes(error: PRPError) -> None:
     back = pickle.loads(pickle.dumps(error))
     assert (type(back), str(back)) == (type(error), str(error))

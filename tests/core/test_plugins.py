@@ -93,7 +93,7 @@ def test_import_of_the_suite_loads_no_plugin(tmp_path: Path) -> None:
         (
             CONTROLLER.replace("plugged_in", "joint_pd"),
             8,
-            "InvalidValueError: name of a baseline is 'joint_pd'",
+            "InvalidValueError: name of baseline is 'joint_pd'",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""Keywords and reset options become numbers in one way: what is none is refused, with what is allowed."""
+"""Conversion of keywords and reset options to numbers: other values are refused by name and unit."""
 
 from typing import Any
 
@@ -62,7 +62,7 @@ def test_numbers_keep_their_shape_and_not_their_memory() -> None:
         np.testing.assert_array_equal(found, given)
         assert found.dtype == np.float64
     own = np.array([1.0, 2.0])
-    as_numbers("pair", own)[:] = 7.0
+    as_numbers("copy", own)[:] = 7.0
     np.testing.assert_array_equal(own, [1.0, 2.0])
 
 

@@ -1,6 +1,7 @@
 """The keywords of the environments: what they mean, and what each refuses, with its facts."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from prp_gym.envs import PRPEnv
+from prp_gym.envs.action_mode import list_action_modes
 from prp_gym.envs.config import (
     RENDER_MODES,
     SUBSTEPS_PER_SECOND,
@@ -73,7 +75,7 @@ def test_control_frequency_that_does_not_divide_is_refused(rate: float) -> None:
 
 
 @pytest.mark.parametrize("duration", [0.0, -1.0, 0.003, 1.0001, 1e-9, NAN, INFINITY])
-def test_duration_that_is_no_whole_number_of_periods_is_refused(duration: float) -> None:
+def test_duration_that_is_not_a_whole_number_of_periods_is_refused(duration: float) -> None:
     with pytest.raises(InvalidValueError, match=r"control periods of 0\.002 s") as caught:
         EnvConfig(duration=duration)
     assert caught.value.what == "duration"
@@ -81,7 +83,7 @@ def test_duration_that_is_no_whole_number_of_periods_is_refused(duration: float)
     np.testing.assert_equal(caught.value.value, duration)
 
 
-def test_duration_is_judged_by_the_control_period() -> None:
+def test_duration_is_checked_against_the_control_period() -> None:
     assert EnvConfig(control_frequency=1000, duration=0.003).horizon == 3
     with pytest.raises(InvalidValueError, match="duration"):
         EnvConfig(control_frequency=50, duration=0.03)
@@ -124,7 +126,7 @@ def test_torque_limit_must_be_positive_and_finite(limit: TorqueLimit) -> None:
 
 @pytest.mark.parametrize("limit", [(), {}, ((50.0, 100.0, 10.0),), ("a", "b", "c")])
 def test_torque_limit_of_another_kind_is_refused(limit: Any) -> None:
-    with pytest.raises(InvalidValueError, match="a number or one number a joint") as caught:
+    with pytest.raises(InvalidValueError, match="a number or one number for each joint") as caught:
         EnvConfig(torque_limit=limit)
     assert caught.value.value is limit
 
@@ -142,7 +144,9 @@ def test_torque_limit_for_another_number_of_joints_is_refused(
 
 
 def test_torque_limit_by_an_unknown_word_is_refused() -> None:
-    with pytest.raises(InvalidValueError, match="'scenario', None, a number or one number a joint") as caught:
+    with pytest.raises(
+        InvalidValueError, match="'scenario', None, a number or one number for each joint"
+    ) as caught:
         EnvConfig(torque_limit="nominal")
     assert caught.value.value == "nominal"
 
@@ -151,14 +155,12 @@ def test_torque_limit_by_an_unknown_word_is_refused() -> None:
     ("keyword", "valid"),
     [
         ("scenario", SCENARIOS),
-        ("action_mode", ("torque",)),
+        ("action_mode", list_action_modes()),
         ("render_mode", RENDER_MODES),
         ("camera", CAMERAS),
     ],
 )
-def test_name_that_does_not_exist_is_refused_with_the_valid_ones(
-    keyword: str, valid: tuple[str, ...]
-) -> None:
+def test_name_that_does_not_exist_is_refused_with_the_valid_ones(keyword: str, valid: Sequence[str]) -> None:
     wrong = f"{valid[0]}_"
     with pytest.raises(UnknownNameError, match=f"unknown {keyword} '{wrong}'") as caught:
         replace(EnvConfig(), **{keyword: wrong})  # type: ignore[arg-type]
@@ -170,7 +172,7 @@ def test_name_that_does_not_exist_is_refused_with_the_valid_ones(
 
 @pytest.mark.parametrize("keyword", ["width", "height"])
 @pytest.mark.parametrize("pixels", [0, -64])
-def test_picture_size_must_be_positive(keyword: str, pixels: int) -> None:
+def test_frame_size_must_be_positive(keyword: str, pixels: int) -> None:
     with pytest.raises(InvalidValueError, match=f"{keyword} is {pixels} pixels") as caught:
         replace(EnvConfig(), **{keyword: pixels})  # type: ignore[arg-type]
     assert caught.value.what == keyword

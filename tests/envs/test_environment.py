@@ -1,4 +1,4 @@
-"""One environment: its named parts, its options, its pictures, its saved states, and what it refuses."""
+"""One environment: its named parts, its options, its frames, its saved states, and what it refuses."""
 
 import copy
 import itertools
@@ -73,7 +73,7 @@ def test_torque_limit_is_a_copy() -> None:
     np.testing.assert_array_equal(env.torque_limit, NOMINAL.torque_limit)
 
 
-def test_action_is_torque_over_limit() -> None:
+def test_action_is_torque_normalised_by_its_limit() -> None:
     env = made(torque_limit=(2.0, 3.0, 4.0))
     env.reset(seed=0)
     env.step(np.array([0.5, -1.0, 0.25]))
@@ -104,11 +104,11 @@ def test_observations_are_new_arrays_and_the_environments_own_are_out_of_reach()
         observation[:] = NAN
 
 
-def test_return_at_constant_error_does_not_depend_on_the_control_rate() -> None:
+def test_return_at_constant_error_does_not_depend_on_the_control_frequency() -> None:
     returns = []
     for rate in (50, 500, 1000):
         env = made(control_frequency=rate, duration=1.0)
-        # the third link upright: no torque is needed to stand there
+        # the third link upright: a zero torque keeps it there
         env.reset(seed=0, options={"joint_position": (0.3, -0.1, np.pi / 2), "goal": (0.4, -0.11, 1.5)})
         steps = [env.step(STILL) for _ in range(rate)]
         returns.append(sum(step[1] for step in steps))
@@ -228,7 +228,7 @@ def test_divergence_in_the_last_step_is_no_truncation() -> None:
     assert env.step(STILL)[2:4] == (False, True)
 
 
-def test_state_saved_before_a_divergence_can_be_gone_back_to() -> None:
+def test_state_saved_before_a_divergence_can_be_restored() -> None:
     env, twin = (made(torque_limit=None, control_frequency=50) for _ in range(2))
     env.reset(seed=0)
     twin.reset(seed=0)
@@ -280,7 +280,7 @@ def test_state_of_another_tasks_environment_is_refused_and_changes_nothing() -> 
     assert pickle.dumps(env.get_state()) == before
 
 
-def test_closing_twice_or_without_pictures_is_harmless_and_physics_go_on() -> None:
+def test_closing_twice_or_without_frames_is_harmless_and_the_physics_continue() -> None:
     env = made()
     env.reset(seed=0)
     env.close()

@@ -1,4 +1,4 @@
-"""A restored environment goes on with the task of the saved one, whatever that remembers."""
+"""A restored environment continues with the task of the saved one, including its state."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.base.motion_errors import JointErrors
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.parts import TaskParts
+from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TASKS, TaskEntry
-from prp_gym.tasks.task import TaskParts, TaskSetup
 
 REGULATION = TASKS["PRP-JointRegulation-v0"]
 
 
 class RestlessErrors(JointErrors):
-    """They depend on what was drawn at an episode's start."""
+    """Errors whose weight depends on the start of the episode."""
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         self.weight = 1.0 + abs(float(starts[0].joint_position[0]))
@@ -28,7 +29,7 @@ class RestlessErrors(JointErrors):
 
 
 def compose(setup: TaskSetup) -> TaskParts:
-    """Regulation, judged by errors with a state of their own."""
+    """Regulation with an error function that has a state."""
     parts = REGULATION.entry.compose(setup)
     return replace(parts, errors=RestlessErrors(REGULATION_LAYOUT))
 
@@ -36,7 +37,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 REGULATION_LAYOUT = PRPEnv(REGULATION.id).task.layout
 
 
-def test_restored_environment_is_judged_by_the_restored_task(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_restored_environment_has_the_errors_of_the_restored_task(monkeypatch: pytest.MonkeyPatch) -> None:
     spec = replace(REGULATION, id="PRP-Restless-v0", entry=TaskEntry(compose))
     monkeypatch.setitem(TASKS._specs, spec.id, spec)
     env, other = PRPEnv(spec.id), PRPEnv(spec.id)

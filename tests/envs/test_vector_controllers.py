@@ -1,4 +1,4 @@
-"""The control laws on many environments: the actions of single ones, and episodes through autoreset."""
+"""Controllers on many environments: the actions of single ones, and episodes through autoreset."""
 
 from typing import Any
 
@@ -18,7 +18,7 @@ ROUNDING = 1e-6
 
 
 @pytest.mark.parametrize(("environment_id", "controller"), COVERING, ids=map("-".join, COVERING))
-def test_law_made_for_many_environments_acts_as_the_one_made_for_each(
+def test_controller_of_many_environments_acts_as_those_of_single_ones(
     environment_id: str, controller: str
 ) -> None:
     env, alone = together(environment_id, num_envs=N, **BRIEF), single(environment_id, **BRIEF)
@@ -39,8 +39,8 @@ def test_law_made_for_many_environments_acts_as_the_one_made_for_each(
         observation, start = env.step(action)[0], np.zeros(N, dtype=np.bool_)
 
 
-def returns_together(mode: str, episodes: int, forgets: bool = True) -> Array:
-    """Returns (episodes, N) of episodes in a row; the law's memory begins anew with each, or never."""
+def returns_together(mode: str, episodes: int, resets_state: bool = True) -> Array:
+    """Returns (episodes, N) of successive episodes; the controller's state is reset with each, or never."""
     env = together(FORCE, mode, N, **BRIEF)
     policy = make_baseline(CONTROLLER, env)
     observation, _ = env.reset(seed=6)
@@ -56,7 +56,7 @@ def returns_together(mode: str, episodes: int, forgets: bool = True) -> Array:
             done[index].append(float(total[index]))
         total[ended] = 0.0
         # an episode starts with this observation: its time is 0, in whichever step that is
-        start = info["_time"] & (info["time"] == 0.0) & forgets
+        start = info["_time"] & (info["time"] == 0.0) & resets_state
     return np.array([own[:episodes] for own in done]).T
 
 
@@ -78,21 +78,21 @@ def returns_alone(episodes: int) -> Array:
 
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-def test_episodes_of_a_law_with_memory_through_autoreset_are_those_on_their_own(mode: str) -> None:
+def test_episodes_of_a_stateful_controller_with_autoreset_equal_separate_ones(mode: str) -> None:
     found, expected = returns_together(mode, 3), returns_alone(3)
     assert len(np.unique(expected)) == 3 * N
-    # what rounds differently in the law's products, 1e-7 of an action, over 50 steps in contact
+    # what rounds differently in the controller's products, 1e-7 of an action, over 50 steps in contact
     np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
-def test_law_that_never_begins_anew_makes_other_episodes() -> None:
-    """So that the comparison above sees the law's memory."""
-    found, expected = returns_together("NextStep", 2, forgets=False), returns_together("NextStep", 2)
+def test_controller_that_is_never_reset_gives_other_episodes() -> None:
+    """This shows that the comparison above depends on the controller's state."""
+    found, expected = returns_together("NextStep", 2, resets_state=False), returns_together("NextStep", 2)
     np.testing.assert_array_equal(found[0], expected[0])
     assert (np.abs(found[1] / expected[1] - 1.0) > 1e-4).any()
 
 
-def test_observations_that_start_episodes_are_told_by_the_clock_in_every_mode() -> None:
+def test_observations_that_start_episodes_are_recognised_by_their_time_in_every_mode() -> None:
     for mode, expected in (("NextStep", [50, 101]), ("SameStep", [49, 99])):
         env = together(FORCE, mode, N, **BRIEF)
         env.reset(seed=0)

@@ -1,4 +1,4 @@
-"""One environment among many diverges: it begins anew as it would alone, and the others do not notice."""
+"""One environment among many diverges: it restarts as it would alone, and the others are unaffected."""
 
 from pathlib import Path
 from typing import Any

@@ -74,7 +74,7 @@ def test_arms_are_the_nominal_one_where_a_scenario_does_not_draw_them(environmen
 
 
 def options_of(name: str) -> Array:
-    """Values of a reset option, one an environment."""
+    """Values of a reset option, one for each environment."""
     rng = np.random.default_rng(8)
     if name == "surface_stiffness":
         return np.geomspace(60.0, 4000.0, N)
@@ -92,7 +92,7 @@ def options_of(name: str) -> Array:
 
 
 def check_taken(env: PRPVectorEnv, index: int, option: str, value: Array, observation: Array) -> None:
-    """The value is what the environment started with, where that can be seen from outside."""
+    """The environment started with the value, where that can be observed."""
     if option == "desired_force":
         force = env.observation_layout.split(observation)[option]
         assert np.linalg.norm(force) == pytest.approx(float(value))
@@ -140,7 +140,7 @@ def test_reset_options_are_those_of_single_environments(
 
 
 @pytest.mark.parametrize("count", [1, 3])
-def test_one_value_an_environment_may_be_given_however_few_there_are(count: int) -> None:
+def test_one_value_for_each_environment_is_accepted_for_any_number_of_them(count: int) -> None:
     env = together("PRP-Compliance-v0", num_envs=count)
     goal = np.tile([0.1, -0.2, 0.3], (count, 1))
     stiffness = np.full(count, 100.0)

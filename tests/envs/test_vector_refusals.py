@@ -1,4 +1,4 @@
-"""What many environments refuse: what was wrong, which value, what is allowed, and nothing is changed."""
+"""Refusals of vector environments: the message says what is allowed, and nothing is changed."""
 
 import copy
 import pickle
@@ -23,7 +23,7 @@ FORCE, LINK = "PRP-Force-v0", "PRP-Adaptive-v0"
 
 
 @pytest.mark.parametrize("value", [0, -1, 1.5, 2.0, True, "2", None, np.nan])
-def test_number_of_environments_that_is_no_whole_number_above_zero_is_refused(value: object) -> None:
+def test_number_of_environments_that_is_not_a_whole_number_above_zero_is_refused(value: object) -> None:
     with pytest.raises(
         InvalidValueError, match=r"num_envs is .*; allowed: a whole number, at least 1"
     ) as caught:
@@ -32,7 +32,7 @@ def test_number_of_environments_that_is_no_whole_number_above_zero_is_refused(va
 
 
 @pytest.mark.parametrize("value", [-1, 0.5, False, "all"])
-def test_number_of_threads_that_is_no_whole_number_is_refused(value: object) -> None:
+def test_number_of_threads_that_is_not_a_whole_number_is_refused(value: object) -> None:
     with pytest.raises(InvalidValueError, match=r"num_threads is .*; allowed: a whole number, at least 0"):
         together(FORCE, num_envs=2, num_threads=value)
 
@@ -101,14 +101,14 @@ def test_actions_that_are_refused_change_nothing(
         assert_same(env.step(action), twin.step(action), f"step {count}")
 
 
-def test_actions_of_the_links_number_of_joints_are_asked_for() -> None:
+def test_actions_for_the_link_have_one_component() -> None:
     env = together(LINK, num_envs=N)
     env.reset(seed=0)
     with pytest.raises(ShapeError, match=r"actions has shape \(3, 3\); expected \(3, 1\)"):
         env.step(np.zeros((3, 3)))
 
 
-def test_actions_of_environments_that_begin_anew_do_not_count() -> None:
+def test_actions_of_environments_that_are_reset_are_ignored() -> None:
     env, twin = (together(FORCE, "NextStep", N, **SHORT) for _ in range(2))
     mask = np.array([False, True, False])
     values = actions_for(env, 8)
@@ -143,7 +143,7 @@ def test_what_needs_an_episode_is_refused_before_the_first_reset(method: str) ->
         getattr(env, method)()
 
 
-def test_pictures_without_a_mode_are_refused() -> None:
+def test_frames_without_a_render_mode_are_refused() -> None:
     env = together(FORCE, num_envs=N)
     env.reset(seed=0)
     for draw in (env.render, env.envs[1].render):
@@ -151,7 +151,7 @@ def test_pictures_without_a_mode_are_refused() -> None:
             draw()
 
 
-def test_step_after_the_end_of_episodes_is_refused_where_nothing_begins_anew_by_itself() -> None:
+def test_step_after_the_end_of_episodes_is_refused_without_autoreset() -> None:
     env = together(FORCE, "Disabled", N, **SHORT)
     env.reset(seed=0)
     for action in actions_for(env, 6):
@@ -180,7 +180,7 @@ def test_step_after_the_end_of_episodes_is_refused_where_nothing_begins_anew_by_
         ([[True], [True, False], []], InvalidValueError, "reset_mask is .*; allowed: truth values"),
     ],
 )
-def test_mask_that_is_none_is_refused_and_nothing_changes(
+def test_value_that_is_not_a_mask_is_refused_and_nothing_changes(
     mask: Any, error: type[Exception], words: str
 ) -> None:
     env, twin = (together(FORCE, "NextStep", N, **SHORT) for _ in range(2))
@@ -212,7 +212,7 @@ def test_every_refusal_is_one_of_the_package_and_survives_a_process() -> None:
         lambda: env.reset(options={"no": 1}),
         lambda: env.envs[0].step(np.zeros(3)),
         lambda: env.envs[0].reset(seed=1),
-        lambda: env.set_attr("mark", [1, 2]),
+        lambda: env.set_attr("label", [1, 2]),
         lambda: together(FORCE, num_envs=0),
     ]
     for attempt in tries:

@@ -1,4 +1,4 @@
-"""An environment among many gives what it gives alone, for any N and number of threads; and its seeds."""
+"""An environment among many gives the same results as alone, for any N and threads; and its seeds."""
 
 from typing import Any
 
@@ -156,7 +156,7 @@ def test_generators_that_were_never_asked_for_draw_a_seed_once() -> None:
         (np.linspace(0.0, 1.0, 5), "seed of environment 0 is 0.0"),
     ],
 )
-def test_seed_that_is_no_whole_number_is_refused_and_nothing_changes(seed: Any, words: str) -> None:
+def test_seed_that_is_not_a_whole_number_is_refused_and_nothing_changes(seed: Any, words: str) -> None:
     env, twin = together("PRP-Force-v0"), together("PRP-Force-v0")
     for each in (env, twin):
         each.reset(seed=0)
@@ -175,7 +175,7 @@ def test_another_number_of_seeds_is_refused(seed: Any) -> None:
     ("target_impedance", "num_envs", "cores", "threads"),
     [(0, 1, 8, 1), (0, 7, 8, 1), (0, 8, 8, 2), (0, 4096, 8, 8), (3, 1, 8, 3), (16, 64, 2, 16)],
 )
-def test_no_more_threads_are_taken_than_pay(
+def test_no_more_threads_are_used_than_save_time(
     target_impedance: int, num_envs: int, cores: int, threads: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("os.sched_getaffinity", lambda _: set(range(cores)))

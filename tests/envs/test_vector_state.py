@@ -177,10 +177,10 @@ def test_environments_that_wait_cannot_be_put_where_nothing_waits() -> None:
 @pytest.mark.parametrize("copied", [copy.deepcopy, by_pickle])
 def test_environments_never_reset_are_copied_with_their_views(copied: Copier) -> None:
     env = together(FORCE, "SameStep", N)
-    env.envs[1].mark = 7
+    env.envs[1].label = 7
     clone = copied(env)
     assert clone.metadata == env.metadata
-    assert clone.envs[1].get_wrapper_attr("mark") == 7
+    assert clone.envs[1].get_wrapper_attr("label") == 7
     assert clone.reset(seed=1)[0].shape == (N, env.observation_layout.size)
     np.testing.assert_array_equal(clone.envs[2].ground_truth, clone.ground_truth[2])
     env.reset(seed=2)

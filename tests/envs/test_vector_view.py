@@ -1,4 +1,4 @@
-"""Environments among many one by one, as Gymnasium's vectors have them: views, attributes, pictures."""
+"""Environments among many one by one, as Gymnasium's vectors have them: views, attributes, frames."""
 
 import copy
 from typing import Any
@@ -14,7 +14,7 @@ from tests.support.vector_episodes import IDS, SHORT, actions_for, assert_same, 
 
 N = 3
 FORCE = "PRP-Force-v0"
-PICTURE: dict[str, Any] = {"width": 64, "height": 48}
+FRAME: dict[str, Any] = {"width": 64, "height": 48}
 
 
 def stepped(env: Any, count: int = 3) -> Any:
@@ -123,9 +123,9 @@ def test_what_the_environments_share_or_show_cannot_be_set_for_one(name: str) ->
 
 def test_one_among_many_is_neither_stepped_nor_reset_nor_closed() -> None:
     env, twin = (stepped(together(FORCE, num_envs=N)) for _ in range(2))
-    with pytest.raises(EpisodeError, match="reset through them"):
+    with pytest.raises(EpisodeError, match="reset by itself"):
         env.envs[0].reset(seed=3)
-    with pytest.raises(EpisodeError, match="stepped with them"):
+    with pytest.raises(EpisodeError, match="stepped by itself"):
         env.envs[0].step(np.zeros(3))
     env.envs[0].close()
     for action in actions_for(env, 2):
@@ -134,7 +134,7 @@ def test_one_among_many_is_neither_stepped_nor_reset_nor_closed() -> None:
 
 def arrows(env: PRPVectorEnv) -> list[int]:
     """Environments that are drawn with a force."""
-    return [index for index in range(N) if any(isinstance(mark, Arrow) for mark in env.overlay(index))]
+    return [index for index in range(N) if any(isinstance(item, Arrow) for item in env.overlay(index))]
 
 
 @pytest.mark.parametrize(
@@ -145,15 +145,15 @@ def arrows(env: PRPVectorEnv) -> list[int]:
         (FORCE, "depth_array", np.float32),
     ],
 )
-def test_pictures_are_those_of_single_environments(
+def test_frames_are_those_of_single_environments(
     drawing: None, environment_id: str, mode: str, kind: type
 ) -> None:
-    keywords: dict[str, Any] = {"scenario": "realistic", "render_mode": mode, **PICTURE}
+    keywords: dict[str, Any] = {"scenario": "realistic", "render_mode": mode, **FRAME}
     ours = stepped(together(environment_id, num_envs=N, **keywords))
     theirs = stepped(one_by_one(environment_id, num_envs=N, **keywords))
     frames, expected = ours.render(), theirs.render()
     assert type(frames) is tuple
-    assert_same(frames, expected, "pictures")
+    assert_same(frames, expected, "frames")
     assert frames[0].dtype == kind
     assert frames[0].shape == (48, 64, 3)[: frames[0].ndim]
     assert (frames[0] != frames[1]).any()
@@ -164,8 +164,8 @@ def test_pictures_are_those_of_single_environments(
     theirs.close()
 
 
-def test_pictures_show_every_environments_own_surface_and_force(drawing: None) -> None:
-    keywords: dict[str, Any] = {"render_mode": "rgb_array", **PICTURE}
+def test_frames_show_every_environments_own_surface_and_force(drawing: None) -> None:
+    keywords: dict[str, Any] = {"render_mode": "rgb_array", **FRAME}
     env = together(FORCE, "Disabled", N, **keywords)
     options = {
         "surface_normal": np.array([[0.0, -1.0, 0.0], [0.0, -1.0, 0.0], [0.6, -0.8, 0.0]]),
@@ -188,8 +188,8 @@ def test_pictures_show_every_environments_own_surface_and_force(drawing: None) -
     env.close()
 
 
-def test_pictures_leave_the_environments_as_they_are(drawing: None) -> None:
-    keywords: dict[str, Any] = {"scenario": "realistic", "render_mode": "rgb_array", **SHORT, **PICTURE}
+def test_frames_leave_the_environments_as_they_are(drawing: None) -> None:
+    keywords: dict[str, Any] = {"scenario": "realistic", "render_mode": "rgb_array", **SHORT, **FRAME}
     drawn, blind = (together(FORCE, "NextStep", N, **keywords) for _ in range(2))
     for env in (drawn, blind):
         env.reset(seed=0)
@@ -200,13 +200,13 @@ def test_pictures_leave_the_environments_as_they_are(drawing: None) -> None:
 
 
 def test_closing_frees_the_drawing_context(drawing: None) -> None:
-    env = stepped(together(FORCE, num_envs=N, render_mode="rgb_array", **PICTURE))
+    env = stepped(together(FORCE, num_envs=N, render_mode="rgb_array", **FRAME))
     frames = env.render()
     assert env._renderer is not None
     env.close()
     assert env._renderer is None
     assert env.closed
     env.close()
-    again = stepped(together(FORCE, num_envs=N, render_mode="rgb_array", **PICTURE))
-    assert_same(again.render(), frames, "pictures")
+    again = stepped(together(FORCE, num_envs=N, render_mode="rgb_array", **FRAME))
+    assert_same(again.render(), frames, "frames")
     again.close()

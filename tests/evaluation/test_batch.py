@@ -1,4 +1,4 @@
-"""`record_episodes`: many episodes at once are those that the environment plays one by one."""
+"""`record_episodes`: many episodes at once are those that the environment runs one by one."""
 
 from dataclasses import fields, replace
 from typing import Any
@@ -38,7 +38,7 @@ def assert_same(first: Rollout, second: Rollout) -> None:
 
 
 class Spy:
-    """A policy that remembers how many observations it got at a time, and passes them on."""
+    """A policy that records how many observations it got at a time, and passes them on."""
 
     def __init__(self, policy: Any) -> None:
         self.policy = policy
@@ -74,7 +74,7 @@ class Runaway:
 
 
 @pytest.mark.parametrize("controller", BASELINES)
-def test_episodes_at_once_are_those_played_one_by_one(controller: str) -> None:
+def test_episodes_at_once_are_those_run_one_by_one(controller: str) -> None:
     env = make(HOME[controller], scenario="realistic", duration=0.6)
     policy, seeds = make_baseline(controller, env), (4, 17, 2, 9)
     together = record_episodes(policy, env, seeds)
@@ -87,7 +87,7 @@ def test_episodes_at_once_are_those_played_one_by_one(controller: str) -> None:
     env.close()
 
 
-def test_link_s_episodes_at_once_are_those_played_one_by_one() -> None:
+def test_link_s_episodes_at_once_are_those_run_one_by_one() -> None:
     env = make("PRP-Adaptive-v0", scenario="realistic", duration=0.6)
     policy = make_baseline("adaptive", env)
     for seed, rollout in enumerate(record_episodes(policy, env, range(4))):
@@ -113,11 +113,13 @@ def test_episode_that_diverges_ends_there_and_leaves_its_neighbours_alone() -> N
 
 
 @pytest.mark.parametrize(("controller", "gains"), [("joint_pd", "figures"), ("adaptive", "report")])
-def test_law_whose_gains_are_unstable_diverges_alike_at_once_and_alone(controller: str, gains: str) -> None:
+def test_controller_whose_gains_are_unstable_diverges_alike_at_once_and_alone(
+    controller: str, gains: str
+) -> None:
     limit = (5e3, 1e4, 1e3)  # with the nominal limits and stops the unstable arm only rattles
     env = make(TRACKING, scenario="realistic", duration=2.0, control_frequency=50, torque_limit=limit)
     numbers = load_gains(controller, gains, TRACKING)
-    # who gives all gains is free to choose the rate
+    # with all gains given, any control frequency is allowed
     own = {name: numbers[name] for name in BASELINES[controller].settings_class.vectors}
     policy = make_baseline(controller, env, gains, **own)
     together = record_episodes(policy, env, range(6))
@@ -164,7 +166,7 @@ def test_later_episodes_of_a_row_that_diverged_leave_no_trace() -> None:
     env.close()
 
 
-def test_policy_is_asked_for_all_and_timed_on_one() -> None:
+def test_policy_acts_on_all_observations_and_is_timed_on_one() -> None:
     env = make(TRACKING, duration=1.0, scenario="randomized")
     spy = Spy(make_baseline("joint_pd", env))
     size = env.observation_space.shape[0]
@@ -207,7 +209,7 @@ def test_only_what_wraps_without_changing_is_passed_over() -> None:
 
 
 @pytest.mark.parametrize("limit", [1.0, 2.0])
-def test_episodes_behind_a_wrapper_that_rescales_are_played_one_by_one(limit: float) -> None:
+def test_episodes_behind_a_wrapper_that_rescales_are_run_one_by_one(limit: float) -> None:
     plain = make(TRACKING, scenario="randomized", duration=0.1)
     bound = np.full(3, limit, dtype=np.float32)
     env = RescaleAction(make(TRACKING, scenario="randomized", duration=0.1), -bound, bound)
@@ -223,7 +225,7 @@ def test_episodes_behind_a_wrapper_that_rescales_are_played_one_by_one(limit: fl
         assert len(rollout.compute_time) == 50
 
 
-def test_one_episode_is_played_alone() -> None:
+def test_one_episode_is_run_alone() -> None:
     env = make(TRACKING, scenario="randomized", duration=0.1)
     spy = Spy(make_baseline("joint_pd", env))
     evaluate(spy, env, episodes=1, seed=0)

@@ -64,8 +64,8 @@ class Recurrent:
         return (action[0] if np.ndim(observation) == 1 else action).astype(np.float32), state
 
 
-class Remembering(Recurrent):
-    """The same with its state in a dictionary."""
+class DictionaryRecurrent(Recurrent):
+    """The recurrent policy with its state in a dictionary."""
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
@@ -80,7 +80,7 @@ def own(kind: type[PRPEnv], **keywords: Any) -> PRPEnv:
 
 
 @pytest.mark.parametrize("kind", [Slower, Elsewhere])
-def test_environment_that_steps_or_resets_in_its_own_way_is_played_one_by_one(kind: type[PRPEnv]) -> None:
+def test_environment_that_steps_or_resets_in_its_own_way_is_run_one_by_one(kind: type[PRPEnv]) -> None:
     assert not can_batch(own(kind))
 
 
@@ -94,7 +94,7 @@ def test_own_step_and_reset_take_effect_in_an_evaluation() -> None:
         np.testing.assert_array_equal(rollout.fields["joint_position"][0], (0.3, -0.1, 0.2))
 
 
-def test_subclass_that_changes_nothing_is_played_side_by_side() -> None:
+def test_subclass_that_changes_nothing_is_run_side_by_side() -> None:
     assert can_batch(own(Renamed))
     for environment_id in prp_gym.list_envs():
         env = make(environment_id)
@@ -103,14 +103,14 @@ def test_subclass_that_changes_nothing_is_played_side_by_side() -> None:
 
 
 @pytest.mark.parametrize("mode", ["rgb_array", "depth_array"])
-def test_environment_that_somebody_looks_at_is_played_one_by_one(mode: str) -> None:
+def test_environment_that_renders_is_run_one_by_one(mode: str) -> None:
     env = gymnasium.make(TRACKING, render_mode=mode)
     assert not can_batch(env)
     assert not can_batch(env.unwrapped)
     env.close()
 
 
-def test_many_episodes_are_played_in_parts_and_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_episodes_are_run_in_parts_and_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     assert batch._SIDE_BY_SIDE == 64
     env = own(PRPEnv)
     policy = make_baseline("adaptive", env)
@@ -125,7 +125,7 @@ def test_many_episodes_are_played_in_parts_and_are_the_same(monkeypatch: pytest.
         assert_same(one, other)
 
 
-def test_at_most_sixty_four_episodes_are_played_side_by_side() -> None:
+def test_at_most_sixty_four_episodes_are_run_side_by_side() -> None:
     env = PRPEnv(TRACKING, scenario="randomized", duration=0.004)
     spied = Recurrent()
     rollouts = record_episodes(spied, env, range(130))
@@ -134,11 +134,11 @@ def test_at_most_sixty_four_episodes_are_played_side_by_side() -> None:
     assert sizes == [64, 64, 64, 64, 2, 2]
 
 
-@pytest.mark.parametrize("kind", [Recurrent, Remembering])
+@pytest.mark.parametrize("kind", [Recurrent, DictionaryRecurrent])
 def test_recurrent_policy_keeps_its_state_and_is_timed_on_first_actions(kind: type[Recurrent]) -> None:
     env, policy = own(PRPEnv), kind()
     rollouts = record_episodes(policy, env, range(5))
-    # asked for the first action once for all episodes, and once a step, 50 of them, to be timed
+    # it computes a first action once for all episodes, and again at each of the 50 timed steps
     assert sorted(policy.first) == [1] * 50 + [5]
     count = np.arange(1, 51)[:, None] * np.ones(JOINTS)
     limit = env.torque_limit

@@ -1,4 +1,4 @@
-"""`evaluate`: which episodes are played, and what is said about them."""
+"""`evaluate`: which episodes are run, and what is said about them."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -24,7 +24,7 @@ def make(environment_id: str, scenario: str) -> Env:
     return gymnasium.make(environment_id, scenario=scenario, duration=DURATION)
 
 
-def any_law(env: Env) -> Any:
+def any_controller(env: Env) -> Any:
     return make_baseline(list_baselines(env.get_wrapper_attr("observation_layout"))[0], env)
 
 
@@ -43,7 +43,7 @@ def deterministic(request: pytest.FixtureRequest) -> Iterator[Env]:
 
 
 def starts(evaluation: Evaluation) -> list[list[float]]:
-    """What a policy cannot change: what is true at first, by episode."""
+    """What a policy cannot change: ground truth at the start, by episode."""
     return [[*np.concatenate([values[0] for values in r.fields.values()])] for r in evaluation.rollouts]
 
 
@@ -60,14 +60,14 @@ def assert_same(first: Rollout, second: Rollout) -> None:
 
 
 def test_episodes_have_consecutive_seeds(env: Env) -> None:
-    evaluation = evaluate(any_law(env), env, episodes=4, seed=10)
+    evaluation = evaluate(any_controller(env), env, episodes=4, seed=10)
     assert [rollout.seed for rollout in evaluation.rollouts] == [10, 11, 12, 13]
     assert evaluation.seed == 10
     for rollout in evaluation.rollouts:
-        assert_same(rollout, record_episode(any_law(env), env, rollout.seed))
+        assert_same(rollout, record_episode(any_controller(env), env, rollout.seed))
 
 
-def test_every_law_meets_the_same_episodes(env: Env) -> None:
+def test_every_controller_meets_the_same_episodes(env: Env) -> None:
     names = list_baselines(env.get_wrapper_attr("observation_layout"))
     evaluations = [evaluate(make_baseline(name, env), env, episodes=3, seed=5) for name in names]
     assert len(evaluations) > 1
@@ -78,7 +78,7 @@ def test_every_law_meets_the_same_episodes(env: Env) -> None:
 
 
 def test_longer_evaluation_begins_with_the_shorter_one(env: Env) -> None:
-    short, long = (evaluate(any_law(env), env, episodes=count, seed=3) for count in (2, 4))
+    short, long = (evaluate(any_controller(env), env, episodes=count, seed=3) for count in (2, 4))
     for first, second in zip(short.rollouts, long.rollouts[:2], strict=True):
         assert_same(first, second)
 
@@ -89,7 +89,7 @@ def test_same_seeds_give_the_same_results_in_another_environment(environment_id:
     evaluations = []
     for _ in range(2):
         made = make(environment_id, scenario)
-        evaluations.append(evaluate(any_law(made), made, episodes=3, seed=8))
+        evaluations.append(evaluate(any_controller(made), made, episodes=3, seed=8))
         made.close()
     first, second = evaluations
     for one, other in zip(first.rollouts, second.rollouts, strict=True):
@@ -100,9 +100,9 @@ def test_same_seeds_give_the_same_results_in_another_environment(environment_id:
         np.testing.assert_array_equal(values, second.metrics[name])
 
 
-def test_deterministic_scenario_is_played_once(deterministic: Env) -> None:
+def test_deterministic_scenario_is_run_once(deterministic: Env) -> None:
     calls: list[int] = []
-    evaluation = evaluate(any_law(deterministic), deterministic, 5, 2, lambda: calls.append(1))
+    evaluation = evaluate(any_controller(deterministic), deterministic, 5, 2, lambda: calls.append(1))
     assert [rollout.seed for rollout in evaluation.rollouts] == [2]
     assert len(calls) == episodes_to_run(deterministic, 5) == 1
     assert evaluation.score.low == evaluation.score.value == evaluation.score.high
@@ -110,12 +110,12 @@ def test_deterministic_scenario_is_played_once(deterministic: Env) -> None:
 
 def test_caller_is_told_of_every_episode(env: Env) -> None:
     calls: list[int] = []
-    evaluate(any_law(env), env, episodes=4, seed=0, on_episode=lambda: calls.append(1))
+    evaluate(any_controller(env), env, episodes=4, seed=0, on_episode=lambda: calls.append(1))
     assert len(calls) == episodes_to_run(env, 4) == 4
 
 
 def test_metrics_are_stacked_over_the_episodes(env: Env) -> None:
-    evaluation = evaluate(any_law(env), env, episodes=3, seed=0)
+    evaluation = evaluate(any_controller(env), env, episodes=3, seed=0)
     rollout = evaluation.rollouts[0]
     sizes = {metric.name: metric.components(rollout) for metric in METRICS.values() if metric.exists(rollout)}
     assert {name: values.shape for name, values in evaluation.metrics.items()} == {
@@ -127,7 +127,7 @@ def test_metrics_are_stacked_over_the_episodes(env: Env) -> None:
 
 
 def test_score_is_the_interquartile_mean_with_its_interval(env: Env) -> None:
-    evaluation = evaluate(any_law(env), env, episodes=12, seed=3)
+    evaluation = evaluate(any_controller(env), env, episodes=12, seed=3)
     scores = evaluation.metrics["score"][:, 0]
     assert evaluation.score == bootstrap_interquartile_mean(scores, np.random.default_rng(3))
     assert evaluation.score != bootstrap_interquartile_mean(scores, np.random.default_rng(4))
@@ -135,9 +135,9 @@ def test_score_is_the_interquartile_mean_with_its_interval(env: Env) -> None:
 
 
 def test_environments_are_evaluated_through_wrappers(env: Env) -> None:
-    wrapped = evaluate(any_law(env), RecordEpisodeStatistics(env), episodes=2, seed=1)
+    wrapped = evaluate(any_controller(env), RecordEpisodeStatistics(env), episodes=2, seed=1)
     for one, other in zip(
-        evaluate(any_law(env), env, episodes=2, seed=1).rollouts, wrapped.rollouts, strict=True
+        evaluate(any_controller(env), env, episodes=2, seed=1).rollouts, wrapped.rollouts, strict=True
     ):
         assert_same(one, other)
 
@@ -190,16 +190,16 @@ def test_fewer_than_one_episode_is_refused(deterministic: Env, episodes: int) ->
     with pytest.raises(
         InvalidValueError, match=f"episodes is {episodes}; allowed: a whole number, at least 1"
     ):
-        evaluate(any_law(deterministic), deterministic, episodes=episodes)
+        evaluate(any_controller(deterministic), deterministic, episodes=episodes)
 
 
 def test_negative_seed_is_refused(env: Env) -> None:
     with pytest.raises(InvalidValueError, match="seed is -1; allowed: a whole number, at least 0"):
-        evaluate(any_law(env), env, seed=-1)
+        evaluate(any_controller(env), env, seed=-1)
 
 
 def test_environment_of_another_suite_is_refused(env: Env) -> None:
     foreign = gymnasium.make("CartPole-v1")
     with pytest.raises(InvalidValueError, match="an environment of prp_gym"):
-        evaluate(any_law(env), foreign)
+        evaluate(any_controller(env), foreign)
     foreign.close()

@@ -46,7 +46,7 @@ def test_registered_metric_is_computed_after_the_suites_own(swing: Metric) -> No
     assert describe_run("")["units"]["swing"] == ("rad",)
 
 
-def test_registered_metric_has_its_column_and_its_place_on_the_page(swing: Metric) -> None:
+def test_registered_metric_has_its_column_and_its_row_on_the_page(swing: Metric) -> None:
     score = Estimate(0.5, 0.4, 0.6)
     row = Row("joint_pd", 2, score, {"swing": np.array([0.0123])}, 1e-5)
     table = evaluation_table("title", [row], ["swing"])

@@ -22,7 +22,7 @@ STEPS, FREQUENCY = 25, 500
 
 
 class Scripted:
-    """A policy that plays given actions over and over and remembers how it was called."""
+    """A policy that repeats given actions and records how it was called."""
 
     def __init__(self, actions: Any) -> None:
         self.actions = np.atleast_2d(np.asarray(actions, dtype=np.float32))
@@ -172,7 +172,7 @@ def test_divergence_ends_the_episode_and_is_recorded(environment_id: str) -> Non
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
 @pytest.mark.parametrize(("environment_id", "controller"), ONE_EACH, ids=map("-".join, ONE_EACH))
-def test_every_law_s_episode_runs_its_whole_length(
+def test_every_controller_s_episode_runs_its_whole_length(
     environment_id: str, controller: str, scenario: str
 ) -> None:
     made = make(environment_id, scenario=scenario, duration=0.4)

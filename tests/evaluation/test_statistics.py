@@ -111,7 +111,7 @@ def test_interval_cuts_the_same_share_off_both_ends() -> None:
     assert narrow == Estimate(0.5, 0.5, 0.5)
 
 
-def test_interval_covers_the_truth_about_as_often_as_it_says() -> None:
+def test_interval_covers_the_true_value_about_as_often_as_it_says() -> None:
     rng = np.random.default_rng(9)
     samples = rng.normal(loc=0.4, size=(400, 40))
     intervals = [bootstrap_interquartile_mean(row, rng, 0.9, resamples=200) for row in samples]

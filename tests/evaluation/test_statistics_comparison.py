@@ -20,7 +20,7 @@ from prp_gym.robot.arrays import Array
 PROPERTY = settings(max_examples=40, deadline=None, derandomize=True)
 RUNS = st.lists(st.integers(0, 6).map(float), min_size=1, max_size=9)  # few values: many ties
 TASKS = st.dictionaries(st.sampled_from("abcd"), RUNS, min_size=1, max_size=3)
-PAIRS = st.lists(st.tuples(*[st.integers(0, 4).map(float)] * 2), min_size=1, max_size=9)
+PAIRED_RUNS = st.lists(st.tuples(*[st.integers(0, 4).map(float)] * 2), min_size=1, max_size=9)
 ROUNDING = 1e-12  # sums of at most a hundred numbers up to 1
 FEW = 50  # resamples, where only the estimate is looked at
 
@@ -97,7 +97,7 @@ def test_profile_moves_with_its_runs_and_not_with_their_order() -> None:
         assert np.array_equal(getattr(first, part), getattr(moved, part))
 
 
-def test_profile_band_covers_the_truth_about_as_often_as_it_says() -> None:
+def test_profile_band_covers_the_true_shares_about_as_often_as_it_says() -> None:
     rng = generator(5)
     levels = np.array([-0.5, 0.0])
     ground_truth = (
@@ -126,11 +126,11 @@ def test_probability_of_improvement_compares_every_run_with_every_other(
 
 
 @PROPERTY
-@given(pairs=st.dictionaries(st.sampled_from("abcd"), PAIRS, min_size=1, max_size=3))
-def test_paired_probability_compares_run_with_run(pairs: dict[str, list[tuple[float, float]]]) -> None:
-    x, y = ({task: np.array(found)[:, side] for task, found in pairs.items()} for side in (0, 1))
+@given(runs=st.dictionaries(st.sampled_from("abcd"), PAIRED_RUNS, min_size=1, max_size=3))
+def test_paired_probability_compares_run_with_run(runs: dict[str, list[tuple[float, float]]]) -> None:
+    x, y = ({task: np.array(found)[:, side] for task, found in runs.items()} for side in (0, 1))
     estimate = paired_probability_of_improvement(x, y, generator(), resamples=FEW)
-    shares = [np.mean([better(*pair) for pair in found]) for found in pairs.values()]
+    shares = [np.mean([better(first, second) for first, second in found]) for found in runs.values()]
     assert estimate.value == pytest.approx(np.mean(shares), abs=ROUNDING)
 
 
@@ -150,7 +150,7 @@ def test_equal_policies_are_neither_better() -> None:
     assert paired_probability_of_improvement(scores, scores, generator()) == Estimate(0.5, 0.5, 0.5)
 
 
-def test_pairs_are_drawn_together() -> None:
+def test_both_runs_of_a_seed_are_drawn_together() -> None:
     x = {"task": np.array([0.0, 10.0, 20.0, 30.0])}
     y = {"task": x["task"] - 1.0}
     assert paired_probability_of_improvement(x, y, generator()) == Estimate(1.0, 1.0, 1.0)
@@ -163,9 +163,9 @@ def test_pairs_are_drawn_together() -> None:
 def test_interval_of_improvement_has_the_width_of_theory() -> None:
     # two runs against one between them: a resample wins 0, ½ or 1 with ¼, ½, ¼
     x, y = {"task": np.array([0.0, 2.0])}, {"task": np.array([1.0])}
-    for pair in ((x, y), (y, x)):
-        assert probability_of_improvement(*pair, generator(), confidence=0.6) == Estimate(0.5, 0.0, 1.0)
-        assert probability_of_improvement(*pair, generator(), confidence=0.4) == Estimate(0.5, 0.5, 0.5)
+    for a, b in ((x, y), (y, x)):
+        assert probability_of_improvement(a, b, generator(), confidence=0.6) == Estimate(0.5, 0.0, 1.0)
+        assert probability_of_improvement(a, b, generator(), confidence=0.4) == Estimate(0.5, 0.5, 0.5)
     # continuous and equal: σ² = (N + M + 1) / (12 N M), that of the Mann-Whitney statistic
     rng = generator(3)
     n, m = 60, 90
@@ -179,7 +179,7 @@ def test_interval_of_improvement_has_the_width_of_theory() -> None:
 
 
 @pytest.mark.parametrize("compare", COMPARISONS)
-def test_interval_of_improvement_covers_the_truth_about_as_often_as_it_says(compare: Comparison) -> None:
+def test_interval_of_improvement_covers_the_true_value_about_as_often_as_it_says(compare: Comparison) -> None:
     rng = generator(6)
     covered = []
     for _ in range(300):

@@ -89,7 +89,7 @@ def test_episodes_are_common_to_training_seeds_where_crossed_and_their_own_where
 EXPECTED, TOLERANCE = 0.935, 0.042
 
 
-def test_nested_interval_covers_the_truth_about_as_often_as_it_says() -> None:
+def test_nested_interval_covers_the_true_value_about_as_often_as_it_says() -> None:
     assert coverage(bootstrap_nested, 20, 20, (1.0, 0.0, 1.0)) == pytest.approx(EXPECTED, abs=TOLERANCE)
 
 
@@ -102,7 +102,7 @@ def test_few_training_seeds_are_covered_less_often_than_the_interval_says() -> N
         assert coverage(bootstrap, 3, 50, (1.0, 0.0, 0.1)) == pytest.approx(expected, abs=0.075)
 
 
-def test_crossed_interval_covers_the_truth_where_evaluation_seeds_are_common() -> None:
+def test_crossed_interval_covers_the_true_value_where_evaluation_seeds_are_common() -> None:
     deviations = (0.5, 1.0, 0.3)
     assert coverage(bootstrap_crossed, 20, 20, deviations) == pytest.approx(EXPECTED, abs=TOLERANCE)
     # the nested one takes 400 episodes for as many evaluation seeds: half the deviation is missing
@@ -116,7 +116,7 @@ def test_episodes_alone_do_not_cover_the_spread_of_training() -> None:
     assert coverage(pooled, 20, 20, (1.0, 0.0, 1.0)) < 0.6  # a third of the deviation
 
 
-def test_difference_covers_the_truth_about_as_often_as_it_says() -> None:
+def test_difference_covers_the_true_value_about_as_often_as_it_says() -> None:
     rng = generator(8)
     covered = []
     for _ in range(300):
@@ -125,7 +125,7 @@ def test_difference_covers_the_truth_about_as_often_as_it_says() -> None:
         y = 0.7 + common + rng.normal(size=(1, 40))  # a controller: one row
         estimate = bootstrap_difference(x, y, rng, resamples=300)
         covered.append(estimate.low <= -0.7 <= estimate.high)
-    # the interquartile means of the two cut the common part at slightly different places, and percentile
+    # the interquartile means of the two cut off slightly different tails of the common part, and percentile
     # intervals of 20 and 40 are 1 to 2 % too narrow; 300 trials have a deviation of 1.4 %
     assert np.mean(covered) == pytest.approx(0.94, abs=0.05)
 

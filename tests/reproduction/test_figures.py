@@ -72,7 +72,7 @@ def test_table_leaves_cells_empty_where_a_curve_has_no_value() -> None:
 
 
 @pytest.mark.parametrize("count", [1, 4])
-def test_picture_has_one_size_whatever_it_shows(count: int) -> None:
+def test_figure_has_one_size_whatever_it_shows(count: int) -> None:
     panels = [Panel("joint_position", (0,), ("a", "b"), limits=(-1.0, 1.0))] * count
     with Image.open(io.BytesIO(draw(outcome(*panels)))) as frame:
         assert frame.size == (1000, 700)

@@ -189,9 +189,9 @@ def test_response_that_does_not_decay_is_refused(name: str, K_P: float, K_D: flo
         predict(f"second_order_{name}", **gains(K_P, K_D))
 
 
-def test_wrong_masses_rest_where_the_torques_balance() -> None:
+def test_link_mass_errors_rest_where_the_torques_balance() -> None:
     error = predict(
-        "rest_error_with_wrong_masses",
+        "rest_error_with_link_mass_errors",
         desired=[0.0, 0.0, 0.0],
         masses=[0.9, 0.5, 0.7],
         proportional_gain=50.0,

@@ -10,7 +10,7 @@ import pytest
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
-from prp_gym.reproduction import FigureOutcome, Run, Verdict, judge, load_catalogue, record_run
+from prp_gym.reproduction import ExperimentRun, FigureOutcome, Verdict, judge, load_catalogue, record_run
 from prp_gym.reproduction.catalogue import CHAPTERS
 from prp_gym.reproduction.experiment import Number, Prediction
 from prp_gym.reproduction.outcome import fill, placeholders, show
@@ -71,7 +71,7 @@ def test_every_run_is_of_the_report_and_is_used() -> None:
 
 
 @pytest.mark.parametrize("run", CATALOGUE.runs.values(), ids=lambda run: run.name)
-def test_names_of_a_run_resolve(run: Run) -> None:
+def test_names_of_a_run_resolve(run: ExperimentRun) -> None:
     if run.environment not in list_envs() or run.controller not in BASELINES or not gain_sets(run.controller):
         pytest.skip("this suite does not have the task or the controller yet")
     check_names(run)
@@ -226,8 +226,8 @@ def test_numbers_are_shown_without_noise(values: list[float], text: str) -> None
     assert show(np.array(values)) == text
 
 
-class Remembering:
-    """A policy whose state is two arrays, the first counting calls."""
+class Counting:
+    """A policy whose state is two arrays; the first one counts its calls."""
 
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
@@ -236,8 +236,8 @@ class Remembering:
         return -observation, (np.array([count + 1.0, -count]), np.array([[7.0]]))
 
 
-def test_recorder_passes_actions_on_and_keeps_the_states_it_is_told_to() -> None:
-    recorder = StateRecorder(Remembering(), ("memory",))
+def test_recorder_passes_actions_on_and_keeps_the_named_states() -> None:
+    recorder = StateRecorder(Counting(), ("memory",))
     state = None
     for step in range(3):
         action, state = recorder.predict(np.array([step, 2.0]), state)
@@ -247,9 +247,9 @@ def test_recorder_passes_actions_on_and_keeps_the_states_it_is_told_to() -> None
     np.testing.assert_array_equal(fields_["memory"], [[np.nan, np.nan], [1, 0], [2, -1], [3, -2]])
 
 
-def test_recorder_keeps_nothing_unless_asked_and_refuses_what_is_not_there() -> None:
-    assert StateRecorder(Remembering(), ()).fields() == {}
-    recorder = StateRecorder(Remembering(), ("a", "b", "c"))
+def test_recorder_keeps_only_named_states_and_refuses_those_that_do_not_exist() -> None:
+    assert StateRecorder(Counting(), ()).fields() == {}
+    recorder = StateRecorder(Counting(), ("a", "b", "c"))
     recorder.predict(np.zeros(2))
     with pytest.raises(InvalidValueError, match="at most 2"):
         recorder.fields()

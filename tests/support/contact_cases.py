@@ -1,4 +1,4 @@
-"""Random arms in front of surfaces, laws by gain set, and the torque of a law by Pinocchio."""
+"""Random arms in front of surfaces, controllers by gain set, and expected torques by Pinocchio."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -20,7 +20,7 @@ UNLIMITED = 100.0 * LIMIT
 def controller(
     name: str, gains: str, period: float = 0.002, limit: Array = LIMIT, **overrides: Any
 ) -> Baseline[Any]:
-    """A law with a gain set, some settings replaced."""
+    """A controller with a gain set, some settings replaced."""
     values = load_gains(name, gains, "PRP-Force-v0")
     numbers = {key: values[key] for key in values if key not in ("source", "minimum_frequency")}
     made = BASELINES[name]
@@ -30,13 +30,13 @@ def controller(
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Arms at rest in front of surfaces across the slide's direction.
+    """Arms at rest in front of surfaces perpendicular to the slide.
 
     Attributes:
-        joint_position: (n, 3) [rad, m, rad].
-        into: (n, 3) unit vectors into the surfaces.
-        wall: the surfaces.
-        force: (n) desired [N].
+        joint_position: Joint positions (n, 3) [rad, m, rad].
+        into: Unit vectors into the surfaces (n, 3).
+        wall: Surfaces.
+        force: Magnitudes of the desired forces (n) [N].
     """
 
     joint_position: Array
@@ -46,7 +46,7 @@ class Cases:
 
     @property
     def desired(self) -> Array:
-        """f_d (n, 3) [N]."""
+        """Desired forces f_d (n, 3) [N]."""
         return self.force[:, None] * self.into
 
     def pressing(self, recording: Recording) -> Array:
@@ -55,7 +55,7 @@ class Cases:
 
 
 def slide_direction(joint_position: Array) -> Array:
-    """(n, 3)."""
+    """Unit vectors along the slide (n, 3)."""
     angle = joint_position[:, 0]
     return np.stack([np.sin(angle), -np.cos(angle), np.zeros_like(angle)], axis=-1)
 
@@ -74,14 +74,14 @@ def random_cases(seed: int, count: int) -> Cases:
 
 
 def poor_arm(count: int, factors: tuple[float, float, float], noise: float = 0.05) -> Imperfection:
-    """Masses times `factors`, a force sensor with noise and up to 0.1 N of bias, a torque one period late."""
+    """Link masses times `factors`, force-sensor noise and bias up to 0.1 N, a one-step actuation delay."""
     masses = tuple(factor * mass for factor, mass in zip(factors, NOMINAL.link_mass, strict=True))
     bias = np.random.default_rng(3).uniform(-0.1, 0.1, size=(count, 3)) * (noise > 0.0)
     return Imperfection(NOMINAL.with_masses((masses[0], masses[1], masses[2])), noise, bias, 1)
 
 
 def random_observation(seed: int, count: int) -> dict[str, Array]:
-    """Fields (count, size) of arms in motion, pressing and asked for motion and force at random."""
+    """Random fields (count, size) of arms in motion and contact, with desired motion and force."""
     q, velocity, _, force = random_states(seed, count)
     desired, desired_velocity, desired_acceleration, desired_force = random_states(seed + 1, count)
     arm = PRPArm()

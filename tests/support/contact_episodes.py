@@ -1,4 +1,4 @@
-"""What the tests of the contact tasks share: environments, their episodes, their surfaces."""
+"""Helpers for tests of the contact tasks: environments, their episodes, their surfaces."""
 
 from typing import Any
 
@@ -48,7 +48,7 @@ def ground_truth_of(env: PRPEnv) -> dict[str, Array]:
 
 
 def joint_targets(trajectory: Trajectory) -> Array:
-    """(K, 3) the joint positions through which a reference leads."""
+    """Joint positions through which a reference leads (K, 3)."""
     if isinstance(trajectory, Constant):
         return trajectory.position
     assert isinstance(trajectory, (QuinticWaypoints, ReachWaypoints))
@@ -57,7 +57,7 @@ def joint_targets(trajectory: Trajectory) -> Array:
 
 
 def joint_path(trajectory: Trajectory) -> Array:
-    """(100, 3) joint positions along a reference, over the longest episode's 5 s."""
+    """Joint positions (100, 3) along a reference, over the longest episode's 5 s."""
     path: Array = trajectory.sample(np.linspace(0.0, 5.0, 100)[:, None])[:, 0, :3]
     return path
 
@@ -70,7 +70,7 @@ def depth_of(start: ContactStart, joint_position: Array) -> Array:
 
 
 def assert_force(found: Array, expected: object, rtol: float = 3e-3, atol: float = 5e-3) -> None:
-    """A contact force [N] in motion, but for the 0.13 g that the solver adds to the tip.
+    """Compare contact forces [N] in motion, up to the 0.13 g that the solver adds to the tip.
 
     Free links accelerate at some 20 m/s² under gravity and, in a surface, at force over the least mass of the
     tip, 0.07 kg: 2e-3 of the force.

@@ -1,4 +1,4 @@
-"""A plant for the tests of laws in contact, apart from the simulator: closed forms and one-sided springs."""
+"""A plant for tests of controllers in contact, independent of MuJoCo: closed forms and one-sided springs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ from prp_gym.tasks.fields import (
 Array = NDArray[np.float64]
 Reference = Callable[[float], tuple[Array, Array, Array]]
 
-STEP = 0.001  # [s]: of the semi-implicit Euler steps
+STEP = 0.001  # time step of the semi-implicit Euler integration [s]
 LIMIT = np.array([50.0, 100.0, 10.0])  # [N m, N, N m]
 LAYOUT = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE, *POSE_REFERENCE_FIELDS, DESIRED_FORCE))
 WITHOUT_DESIRED_FORCE = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE, *POSE_REFERENCE_FIELDS))
@@ -33,7 +33,7 @@ def interface(
 
 
 def held(pose: Array) -> Reference:
-    """A reference at rest."""
+    """A constant reference."""
     return lambda _: (pose, np.zeros(pose.shape), np.zeros(pose.shape))
 
 
@@ -42,10 +42,10 @@ class Wall:
     """Elastic planes, one per simulation: the points with normal·p = offset, free where it is more.
 
     Attributes:
-        stiffness: (n) [N/m].
-        normal: (n, 3), to the free side.
-        offset: (n) [m].
-        damping: (n) [N s/m].
+        stiffness: Stiffness (n) [N/m].
+        normal: Unit normals towards the free side (n, 3).
+        offset: Offsets along the normals (n) [m].
+        damping: Damping (n) [N s/m].
     """
 
     stiffness: Array
@@ -60,7 +60,7 @@ class Wall:
         return cls(stiffness, -into, offset, np.full(stiffness.shape, damping))
 
     def force(self, tip: Array, velocity: Array) -> Array:
-        """By the tip on the wall (n, 3) [N]."""
+        """The force by the tip on the wall (n, 3) [N]."""
         depth = self.offset - np.sum(self.normal * tip, axis=-1)
         rate = -np.sum(self.normal * velocity, axis=-1)
         pressing = np.maximum(0.0, self.stiffness * depth + self.damping * rate) * (depth > 0.0)
@@ -70,13 +70,13 @@ class Wall:
 
 @dataclass(frozen=True, eq=False)
 class Imperfection:
-    """What the nominal arm and an ideal force sensor do not have.
+    """Deviations of the plant from the nominal arm with an ideal force sensor.
 
     Attributes:
-        parameters: of the arm.
-        noise: standard deviation of every component of the measured force [N].
-        bias: (n, 3) of the measured force [N].
-        delay: periods by which torques come late.
+        parameters: Parameters of the arm.
+        noise: Standard deviation of every component of the measured force [N].
+        bias: Bias of the measured force (n, 3) [N].
+        delay: Actuation delay in control periods.
     """
 
     parameters: RobotParameters = NOMINAL
@@ -87,14 +87,14 @@ class Imperfection:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What happened, once a period: time (t), true force by the tip, pose and joint position (t, n, ...).
+    """The recording of a simulation, with one sample for each control period.
 
     Attributes:
-        time: (t) [s].
-        force: (t, n, 3) [N].
-        pose: (t, n, 6).
-        joint_position: (t, n, 3).
-        action: (t, n, 3).
+        time: Time of each sample (t) [s].
+        force: True force by the tip on the wall (t, n, 3) [N].
+        pose: Pose of the tip (t, n, 6).
+        joint_position: Joint position (t, n, 3).
+        action: Action of the controller (t, n, 3).
     """
 
     time: Array
@@ -114,7 +114,7 @@ def simulate(
     reference: Reference | None = None,
     imperfection: Imperfection | None = None,
 ) -> Recording:
-    """A law on n arms at once, from rest at `joint_position` (n, 3)."""
+    """Simulate a controller on n arms at once, from rest at `joint_position` (n, 3)."""
     world = imperfection or Imperfection()
     arm, generator = PRPArm(world.parameters), np.random.default_rng(5)
     q, v = joint_position.copy(), np.zeros(joint_position.shape)
@@ -138,7 +138,7 @@ def simulate(
 
 
 def advance(arm: PRPArm, q: Array, v: Array, torque: Array, wall: Wall, steps: int) -> tuple[Array, Array]:
-    """The joints' positions and velocities (n, 3) some steps later under a held torque (n, 3)."""
+    """Joint positions and velocities (n, 3) some steps later under a constant torque (n, 3)."""
     for _ in range(steps):
         velocity = np.einsum("nij,nj->ni", arm.analytical_jacobian(q)[:, :3], v)
         force = wall.force(arm.forward_kinematics(q)[:, :3], velocity)

@@ -1,4 +1,4 @@
-"""What the tests of the laws give them for an environment, and its observations."""
+"""Interfaces and observations with which controllers are tested without an environment."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""A law in closed loop with the closed-form model of the arm: torques held over a period, steps of 1 ms."""
+"""A controller in closed loop with the closed-form model of the arm: torques are held, steps are of 1 ms."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,15 +19,15 @@ STEP = 1e-3
 
 @dataclass(frozen=True)
 class Wall:
-    """An ideal one-sided spring at y = `place` [m], pressed from below; a stiffness [N/m] per row."""
+    """An ideal one-sided spring at y = `offset` [m], pressed from below; a stiffness [N/m] per row."""
 
     stiffness: Array | float
-    place: float = -0.44
+    offset: float = -0.44
 
     def force(self, pose: Array) -> Array:
-        """By the tip on the wall (..., 3) [N]."""
+        """The force by the tip on the wall (..., 3) [N]."""
         force = np.zeros((*pose.shape[:-1], 3))
-        force[..., 1] = self.stiffness * np.maximum(pose[..., 1] - self.place, 0.0)
+        force[..., 1] = self.stiffness * np.maximum(pose[..., 1] - self.offset, 0.0)
         return force
 
 
@@ -36,7 +36,7 @@ NO_WALL = Wall(0.0)
 
 @dataclass(frozen=True)
 class Run:
-    """What happened, at the begin of each control period; all (T, N, size)."""
+    """The recording of a simulation, at the start of each control period; all (T, N, size)."""
 
     joint_position: Array
     pose: Array
@@ -47,13 +47,13 @@ class Run:
 
     @property
     def joint_error(self) -> Array:
-        """q̃."""
+        """The joint error q̃."""
         error: Array = self.desired_position - self.joint_position
         return error
 
     @property
     def pose_error(self) -> Array:
-        """x̃."""
+        """The pose error x̃."""
         error: Array = self.desired_pose - self.pose
         return error
 
@@ -72,8 +72,8 @@ def quintic(start: Any, goal: Any, duration: float) -> Reference:
         s = min(time / duration, 1.0)
         rate = 30 * s**2 - 60 * s**3 + 30 * s**4
         curve = 60 * s - 180 * s**2 + 120 * s**3
-        place = 10 * s**3 - 15 * s**4 + 6 * s**5
-        return begin + place * path, rate / duration * path, curve / duration**2 * path
+        progress = 10 * s**3 - 15 * s**4 + 6 * s**5
+        return begin + progress * path, rate / duration * path, curve / duration**2 * path
 
     return at
 

@@ -58,7 +58,7 @@ def assert_same(found: Any, expected: Any, where: str) -> None:
 
 
 def assert_same_episodes(ours: VecEnv, theirs: VecEnv, actions: Sequence[NDArray[Any]]) -> list[Any]:
-    """Play both; what they returned."""
+    """Run both, compare them and return the results of the first."""
     steps = []
     ours.seed(7)
     theirs.seed(7)

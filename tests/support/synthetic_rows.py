@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.artifacts import to_plain
 from prp_gym.evaluation import Evaluation, Rollout
-from prp_gym.evaluation.results import describe_evaluation, to_plain
+from prp_gym.evaluation.results import describe_evaluation
 from prp_gym.evaluation.table import Row
 from tests.support.synthetic_episodes import Array, make_rollout
 

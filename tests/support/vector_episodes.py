@@ -1,4 +1,4 @@
-"""What the tests of many environments share: made ones, what each of them returned, comparison to the bit."""
+"""Helpers for tests of vector environments: making them, recording their results, exact comparison."""
 
 from typing import Any
 
@@ -19,7 +19,7 @@ SHORT: dict[str, Any] = {
 }  # [s], [Hz]: six steps, so that many episodes end
 
 Outcome = tuple[bytes, bytes, bool, bool, dict[str, Any]]
-"""What one environment returned, to the bit: observation, reward, ends, and its own `info`."""
+"""The exact results of one environment: observation, reward, ends, and its own `info`."""
 
 
 def together(environment_id: str, mode: str = "NextStep", num_envs: int = 5, **keywords: Any) -> PRPVectorEnv:
@@ -72,7 +72,7 @@ def actions_for(env: Any, count: int, share: float = 1.2) -> list[Array]:
 
 
 def own_info(info: dict[str, Any], index: int) -> dict[str, Any]:
-    """What one environment's `info` holds: the numbers that its masks say it has."""
+    """The `info` of one environment: the numbers that belong to it by their masks."""
     own: dict[str, Any] = {}
     for name, values in info.items():
         if name.startswith("_") or not info[f"_{name}"][index]:
@@ -86,7 +86,7 @@ def bits(value: object) -> bytes:
 
 
 def outcomes(step: tuple[Any, ...]) -> list[Outcome]:
-    """What each environment returned in a step of all."""
+    """The results of each environment in a step of all."""
     observation, reward, terminated, truncated, info = step
     return [
         (
@@ -101,9 +101,9 @@ def outcomes(step: tuple[Any, ...]) -> list[Outcome]:
 
 
 def run_together(env: Any, seed: Any, actions: NDArray[Any], again: int = 3) -> list[list[Outcome]]:
-    """What each environment returned at each step.
+    """The results of each environment in each step.
 
-    Every third one begins anew before step `again`, so that episodes end at different steps.
+    Every third environment is reset before step `again`, so that episodes end at different steps.
     """
     mask = np.arange(env.num_envs) % 3 == 0
     observation, _ = env.reset(seed=seed)
@@ -116,7 +116,7 @@ def run_together(env: Any, seed: Any, actions: NDArray[Any], again: int = 3) -> 
 
 
 def run_alone(env: PRPEnv, seed: int, actions: NDArray[Any], again: int) -> list[Outcome]:
-    """The same of an environment of its own, which begins anew in the step that ends an episode."""
+    """The same for a single environment, which is reset in the step that ends an episode."""
     observation, _ = env.reset(seed=seed)
     history: list[Outcome] = [(bits(observation), b"", False, False, {})]
     for count, action in enumerate(actions):
@@ -133,7 +133,7 @@ def run_alone(env: PRPEnv, seed: int, actions: NDArray[Any], again: int) -> list
 
 
 def assert_history(found: list[Outcome], expected: list[Outcome], where: str) -> None:
-    """One environment's outcomes, and in case of difference where it begins."""
+    """Assert equal results of one environment, with the first step that differs."""
     assert len(found) == len(expected), where
     for step, (ours, theirs) in enumerate(zip(found, expected, strict=True)):
         for what, mine, others in zip(("obs", "reward", "end", "end", "info"), ours, theirs, strict=True):

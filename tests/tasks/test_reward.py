@@ -1,4 +1,4 @@
-"""The reward: closed-form values, one bounded shape, independent of the control rate."""
+"""The reward: closed-form values, one bounded shape, independent of the control frequency."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def random_errors(seed: int, *leading: int) -> Array:
     return values
 
 
-def test_no_error_earns_each_term_its_share_of_the_period() -> None:
+def test_term_without_error_is_its_weight_times_the_period() -> None:
     np.testing.assert_allclose(REWARD(np.zeros((2, 3))), [0.75 * PERIOD, 0.25 * PERIOD], rtol=ROUNDING)
 
 
@@ -60,7 +60,7 @@ def test_reward_lies_between_zero_and_the_period(seed: int) -> None:
 
 
 @given(SEEDS, st.floats(1.001, 1e3))
-def test_larger_errors_earn_less(seed: int, factor: float) -> None:
+def test_larger_errors_give_smaller_rewards(seed: int, factor: float) -> None:
     errors = random_errors(seed)
     assert (REWARD(factor * errors) < REWARD(errors)).all()
 
@@ -81,7 +81,7 @@ def test_components_beyond_a_short_terms_scale_do_not_count() -> None:
     np.testing.assert_allclose(reward(errors)[1], 0.125 * PERIOD, rtol=ROUNDING)
 
 
-def test_return_at_constant_error_does_not_depend_on_the_control_rate() -> None:
+def test_return_at_constant_error_does_not_depend_on_the_control_frequency() -> None:
     errors, duration = random_errors(1), 5.0
     returns = [
         sum(Reward((TRACKING, EFFORT), 1.0 / rate)(errors).sum() for _ in range(round(rate * duration)))

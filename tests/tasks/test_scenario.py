@@ -22,7 +22,7 @@ def scenario(request: pytest.FixtureRequest) -> Scenario:
     return LOADED[str(request.param)]
 
 
-def test_range_lays_nested_lists_end_to_end() -> None:
+def test_range_flattens_nested_lists() -> None:
     table = {"low": [[0, 1], [2, 3]], "high": [[4, 5], [6, 7]]}
     assert Range.from_table(table) == Range((0.0, 1.0, 2.0, 3.0), (4.0, 5.0, 6.0, 7.0))
 

@@ -105,7 +105,7 @@ def test_models_of_many_episodes_advance_together() -> None:
 
 
 def in_eighty_digits(inertia: float, damping: float, stiffness: float, period: float) -> tuple[Array, float]:
-    """What (z, ż, f at the begin, f at the end) make of (z, ż), and the norm of the argument."""
+    """The map of (z, ż, f at the start, f at the end) to (z, ż) at the end, and the norm of its argument."""
     getcontext().prec = 80
     m, d, k, t = (Decimal(number) for number in (inertia, damping, stiffness, period))
     argument = np.full((4, 4), Decimal(0))

@@ -37,7 +37,7 @@ def action_for(env: PRPEnv, **meant: Array) -> Array:
 
 
 def steady(env: PRPEnv, action: Array, **options: Any) -> dict[str, Array]:
-    """What is true at the end of an episode with a constant action."""
+    """Ground truth at the end of an episode with a constant action."""
     env.reset(seed=0, options=options)
     over = False
     while not over:
@@ -92,7 +92,7 @@ WEIGHTS: dict[str, Array] = {
     "admittance": np.ones(6),
     "force_position": np.ones(6),
 }
-"""The springs by mode, up to a common factor: laws that prescribe accelerations weigh them equally."""
+"""The springs by mode, up to a common factor: controllers that prescribe accelerations weigh them equally."""
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_surface_is_pressed_with_the_moved_force(offset: float) -> None:
 
 
 def overshoot(env: PRPEnv, action: Array) -> float:
-    """Of the tip along the slide, over the step that the action moves its reference by."""
+    """Overshoot of the tip along the slide, relative to the step of its reference."""
     env.reset(seed=0, options={"joint_position": TOUCH, "goal": TOUCH, **FAR})
     start, ways = env.physics.tip_position[0].copy(), []
     for _ in range(env.config.horizon):
@@ -134,7 +134,7 @@ def overshoot(env: PRPEnv, action: Array) -> float:
 
 @pytest.fixture
 def prompt(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Laws that follow an action at once, so that it is a step."""
+    """Controllers that follow an action at once, so that it is a step."""
     monkeypatch.setattr(commanded, "SMOOTHING_TIME", 1e-9)
 
 
@@ -213,7 +213,7 @@ def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
     assert rate * (1.0 - rate / inner) ** 2 == pytest.approx(factor * FORCE["bandwidth"], rel=0.05)
 
 
-def test_what_a_law_reads_follows_the_action_with_its_time_constant() -> None:
+def test_command_inputs_follow_the_action_with_their_time_constant() -> None:
     env = made("PRP-JointRegulation-v0", "joint_position")
     observation, _ = env.reset(seed=0)
     mode = make_action_mode("joint_position", ModeSetup(env.task, env.torque_limit, 0.002))

@@ -1,4 +1,4 @@
-"""Episodes played for their scores alone: what counts, and what ends them."""
+"""Episodes run for their scores alone: what counts, and what ends them."""
 
 import math
 from contextlib import closing

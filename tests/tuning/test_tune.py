@@ -135,7 +135,7 @@ class OneSetting:
         return self.trials[-1]
 
 
-def test_candidate_that_the_law_refuses_scores_nothing_and_is_charged_in_full() -> None:
+def test_candidate_that_the_controller_refuses_scores_nothing_and_is_charged_in_full() -> None:
     refused = {**SPACE.start, "frame_inertia_translation": 0.0}  # no mass
     tuned = tune(TASK, ENV, CANDIDATES, OneSetting(refused))
     assert [(trial.score, trial.steps) for trial in tuned.trials] == [(0.0, COST)] * 12

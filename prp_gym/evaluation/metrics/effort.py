@@ -18,7 +18,7 @@ def mechanical_energy(torque: Array, velocity: Array, period: float) -> Array:
     Args:
         torque: (..., T, joints) [N m, N, N m].
         velocity: (..., T + 1, joints) joint velocities [rad/s, m/s, rad/s].
-        period: of control [s].
+        period: control period [s].
 
     Returns:
         (...) [J].
@@ -33,7 +33,7 @@ def torque_rate(torque: Array, period: float) -> Array:
 
     Args:
         torque: (..., T, joints) [N m, N, N m].
-        period: of control [s].
+        period: control period [s].
 
     Returns:
         (..., joints) [N m/s, N/s, N m/s]; NaN where there is one step only.

@@ -140,7 +140,7 @@ def injected_energy(force: Array, desired_velocity: Array, velocity: Array, peri
         force: (..., T, 3) by the tip on the surface, h_e [N].
         desired_velocity: (..., T, 3) of the tip [m/s].
         velocity: (..., T, 3) of the tip [m/s].
-        period: of control [s].
+        period: control period [s].
 
     Returns:
         (...) [J], at least 0.

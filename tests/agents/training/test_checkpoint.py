@@ -29,7 +29,14 @@ from tests.support.training_runs import (
 )
 
 
-@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_of_two_checkpoints_the_newer_is_found(tmp_path: Path) -> None:
+    """Where a run was killed after it wrote one and before it removed the other."""
+    for steps in (96, 1024, 128):
+        (tmp_path / f"checkpoint-{steps:012d}").mkdir()
+    assert [path.name for path in find_checkpoint(tmp_path)] == ["checkpoint-000000001024"]
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])  # one on its last episodes, one with a replay buffer
 def test_interrupted_run_goes_on_to_the_same_number_of_steps(tmp_path: Path, algorithm: str) -> None:
     whole = train(tiny_job(tmp_path / "whole", algorithm))
     job = tiny_job(tmp_path / "run", algorithm)

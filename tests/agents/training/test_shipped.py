@@ -14,9 +14,9 @@ from prp_gym.agents.policy.agent_file import CARD, TENSORS, TRAINED, list_seeds
 from prp_gym.agents.policy.environments import environment_revision
 from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.shipped import ShippedGroup, read_groups
+from prp_gym.artifacts import to_plain
 from prp_gym.cli.ship import SCENARIOS
 from prp_gym.errors import PRPError
-from prp_gym.evaluation.results import to_plain
 from prp_gym.tasks.spec import TASKS
 from tests.support.synthetic_agents import layout_of
 

@@ -1,4 +1,4 @@
-"""Actuators: ideal ones change nothing, realistic ones are late and noisy, each on its own seed."""
+"""Actuators: ideal ones change nothing, realistic ones add delay and noise, each from its own seed."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from prp_gym.tasks import SCENARIOS, Scenario
 REALISTIC = load_scenario("realistic")
 QUIET = replace(REALISTIC, torque_noise=0.0)
 PROMPT = replace(REALISTIC, delay_steps=0)
-LIMIT = np.array([50.0, 100.0, 10.0])  # of the drives [N m, N, N m]
+LIMIT = np.array([50.0, 100.0, 10.0])  # nominal actuator limits [N m, N, N m]
 LONG = 600  # steps: noise is drawn in blocks of 256
 
 
@@ -29,11 +29,11 @@ def begun(scenario: Scenario, seeds: list[int]) -> RealisticActuators:
 
 
 def noise(actuators: RealisticActuators, num_envs: int, count: int) -> Array:
-    """What acts when nothing is commanded (count, num_envs, 3)."""
+    """Applied torques under commands of zero (count, num_envs, 3)."""
     return np.array([actuators.apply(np.zeros((num_envs, 3))) for _ in range(count)])
 
 
-def test_ideal_actuators_do_what_is_commanded() -> None:
+def test_ideal_actuators_apply_the_command() -> None:
     actuators, command = IdealActuators(), commands(1, 4)[0]
     actuators.begin(np.arange(4), [1, 2, 3, 4])
     np.testing.assert_array_equal(actuators.apply(command), commands(1, 4)[0])
@@ -52,7 +52,7 @@ def test_delay_or_noise_alone_make_actuators_realistic(scenario: Scenario) -> No
 
 
 @pytest.mark.parametrize("delay", [0, 1, 3])
-def test_commands_act_after_the_delay_and_nothing_before(delay: int) -> None:
+def test_commands_are_applied_after_the_delay_and_zero_before(delay: int) -> None:
     actuators = begun(replace(QUIET, delay_steps=delay), [1, 2])
     given = commands(20, 2)
     acting = np.array([actuators.apply(command) for command in given])
@@ -69,7 +69,7 @@ def test_new_episode_empties_the_delay_line_of_its_own_environment_only() -> Non
     np.testing.assert_array_equal(acting[1], 0.0)
 
 
-def test_noise_adds_to_the_late_command() -> None:
+def test_noise_adds_to_the_delayed_command() -> None:
     given = commands(50, 1)
     quiet, noisy = begun(QUIET, [5]), begun(REALISTIC, [5])
     silent = begun(REALISTIC, [5])
@@ -113,12 +113,12 @@ def test_restart_of_one_environment_leaves_the_others_noise_alone(moment: int) -
     np.testing.assert_array_equal(after[:, 1], noise(begun(REALISTIC, [6]), 1, LONG)[:, 0])
 
 
-def test_drives_of_a_robot_with_one_joint_are_as_late_and_as_noisy_for_their_limit() -> None:
+def test_actuators_of_a_robot_with_one_joint_have_the_same_delay_and_relative_noise() -> None:
     actuators = RealisticActuators(REALISTIC, np.array([30.0]), 1)
     actuators.begin(np.arange(1), [3])
     acting = np.array([actuators.apply(np.array([[7.0]]))[0] for _ in range(5000)])
     assert acting.shape == (5000, 1)
-    assert abs(acting[0, 0]) < 1.0  # one period late: noise alone, of 0.005 · 30 N m
+    assert abs(acting[0, 0]) < 1.0  # one-step delay: noise alone, of 0.005 · 30 N m
     # five standard errors of the mean and the deviation of so many normal numbers
     assert acting[1:].mean() == pytest.approx(7.0, abs=5 * 0.15 / np.sqrt(4999))
     assert acting[1:].std() == pytest.approx(0.15, rel=5 / np.sqrt(2 * 4999))

@@ -1,4 +1,4 @@
-"""The loop: N environments together are N environments alone, bit for bit, whatever happens to some."""
+"""The episode loop: N environments together equal N environments alone, bit for bit."""
 
 import copy
 from dataclasses import fields
@@ -159,7 +159,7 @@ def test_wrong_actions_are_refused_and_change_nothing() -> None:
 
 
 def throw(loop: EpisodeLoop, index: int) -> None:
-    """Make one environment faster than what counts as diverged."""
+    """Give one environment a velocity beyond the bounds of divergence."""
     position = loop.physics.joint_position[[index]].copy()
     loop.physics.reset(np.array([index]), position, np.array([[0.0, 0.0, 700.0]]))
 

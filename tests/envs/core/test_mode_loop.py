@@ -1,4 +1,4 @@
-"""An action that holds over several periods of an inner law: time, sums, divergence, memory, refusals."""
+"""An action held over several periods of an inner controller: time, sums, divergence, memory, refusals."""
 
 import copy
 import pickle
@@ -29,7 +29,7 @@ def elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def play(env: Any, actions: Any) -> list[Any]:
+def run(env: Any, actions: Any) -> list[Any]:
     return [env.step(action) for action in actions]
 
 
@@ -41,7 +41,7 @@ def test_action_held_is_the_same_action_given_in_every_inner_period(environment_
     assert_same(held.reset(seed=3), given.reset(seed=3), "reset")
     summed = {field.name for field in held.info_fields if field.summed}
     for count, action in enumerate(random_actions(held, 15, share=1.3)):
-        outcome, steps = held.step(action), play(given, [action] * PERIODS)
+        outcome, steps = held.step(action), run(given, [action] * PERIODS)
         assert_same(outcome[0], steps[-1][0], f"observation {count}")
         reward, info = steps[0][1], dict(steps[0][4])
         for step in steps[1:]:
@@ -61,7 +61,7 @@ def test_costs_are_counted_in_every_period_and_forces_are_the_last() -> None:
     assert not summed["contact_force"]
 
 
-def test_step_of_a_saturated_law_counts_every_period() -> None:
+def test_step_of_a_saturated_controller_counts_every_period() -> None:
     env = made("PRP-JointRegulation-v0", "joint_position", control_frequency=RATE, torque_limit=1e-3)
     env.reset(seed=0)
     assert env.step(np.ones(3))[4]["cost_saturation"] == 3 * PERIODS
@@ -71,7 +71,7 @@ def test_step_of_a_saturated_law_counts_every_period() -> None:
 def test_terms_in_info_sum_to_the_reward_and_time_goes_on(rate: int) -> None:
     env = made("PRP-Impedance-v0", "variable_impedance", control_frequency=rate, duration=0.2)
     env.reset(seed=5)
-    outcomes = play(env, random_actions(env, round(0.2 * rate)))
+    outcomes = run(env, random_actions(env, round(0.2 * rate)))
     for count, (_, reward, _, _, info) in enumerate(outcomes, start=1):
         terms = [value for name, value in info.items() if name.startswith("reward_")]
         assert sum(terms) == pytest.approx(reward, rel=1e-14)  # ten sums of a few terms, in another order
@@ -85,30 +85,30 @@ def test_copy_and_saved_state_go_on_as_the_original(environment_id: str, mode: s
     env = made(environment_id, mode, scenario="realistic", control_frequency=RATE)
     env.reset(seed=21)
     actions = random_actions(env, 16)
-    seen = play(env, actions[:8])[-1][0]
+    seen = run(env, actions[:8])[-1][0]
     if how == "state":
         clone = made(environment_id, mode, scenario="realistic", control_frequency=RATE)
         np.testing.assert_array_equal(clone.set_state(env.get_state()), seen)
     else:
         clone = COPIES[how](env)
-    assert_same(play(clone, actions[8:]), play(env, actions[8:]), how)
+    assert_same(run(clone, actions[8:]), run(env, actions[8:]), how)
     assert_same(clone.reset(), env.reset(), how)
-    assert_same(play(clone, actions[:3]), play(env, actions[:3]), how)
+    assert_same(run(clone, actions[:3]), run(env, actions[:3]), how)
 
 
 def env_size(env: PRPEnv) -> int:
-    """Components of an action."""
+    """Number of components of an action."""
     return sum(field.size for field in env.action_fields)
 
 
 @pytest.mark.parametrize(("environment_id", "mode"), KINDS)
-def test_new_episode_forgets_what_the_law_remembered(environment_id: str, mode: str) -> None:
+def test_new_episode_resets_the_state_of_the_inner_controller(environment_id: str, mode: str) -> None:
     used, fresh = (made(environment_id, mode, control_frequency=RATE) for _ in range(2))
     used.reset(seed=1)
-    play(used, np.ones((20, env_size(used))))
+    run(used, np.ones((20, env_size(used))))
     assert_same(used.reset(seed=2), fresh.reset(seed=2), "reset")
     actions = random_actions(fresh, 5)
-    assert_same(play(used, actions), play(fresh, actions), "steps")
+    assert_same(run(used, actions), run(fresh, actions), "steps")
 
 
 def test_state_of_another_mode_is_refused() -> None:
@@ -131,12 +131,12 @@ def test_step_before_reset_is_refused() -> None:
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_action_that_is_no_number_changes_nothing(value: float) -> None:
+def test_action_that_is_not_a_number_changes_nothing(value: float) -> None:
     env, twin = (made("PRP-Impedance-v0", "impedance", scenario="realistic") for _ in range(2))
     many = together("PRP-Impedance-v0", num_envs=2, action_mode="impedance", scenario="realistic")
     for each in (env, twin, many):
         each.reset(seed=4)
-        play(each, [np.zeros(each.action_space.shape)])
+        run(each, [np.zeros(each.action_space.shape)])
     with pytest.raises(NonFiniteError, match="action is "):
         env.step(np.array([0.0, 0.0, value, 0.0, 0.0]))
     with pytest.raises(NonFiniteError, match=r"action of environments \[1\]"):
@@ -174,8 +174,8 @@ def test_divergence_within_a_period_ends_the_step_there(scenario: str) -> None:
     env.reset(seed=6)
     fine.reset(seed=6)
     action = np.array([violent_in(4), 1.0])
-    delay = scenario == "realistic"  # torques one period late
-    steps = play(fine, [action] * (4 + delay))
+    delay = scenario == "realistic"  # one-step actuation delay
+    steps = run(fine, [action] * (4 + delay))
     outcome = env.step(action)
     assert [step[2] for step in steps] == [False] * (3 + delay) + [True]
     assert_same(outcome[0], steps[-1][0], "observation")
@@ -224,7 +224,7 @@ def test_many_of_which_some_diverge_within_a_period_are_those_of_single_ones(
 
 
 def reset_one_after_the_other(ended: Any, ours: Any, theirs: Any) -> None:
-    """Those that wait meanwhile stay as they were."""
+    """Environments that wait for their reset are left as they were."""
     for index in np.flatnonzero(ended):
         mask = np.arange(len(ended)) == index
         again, expected = (env.reset(options={"reset_mask": mask.copy()}) for env in (ours, theirs))

@@ -1,4 +1,4 @@
-"""The reference window: what is looked up is what would be computed, for each environment's own time."""
+"""The reference window: its values are those of the reference at each environment's own time."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def assert_current(window: ReferenceWindow, steps: list[int]) -> None:
 
 
 @pytest.mark.parametrize("num_envs", [1, 3, 2000, 40_000])
-def test_every_step_is_looked_up_right_across_refills(num_envs: int) -> None:
+def test_every_step_is_looked_up_correctly_across_refills(num_envs: int) -> None:
     window, sampler = begun(num_envs)
     assert_current(window, [0] * num_envs)
     for step in range(1, 1100 if num_envs < 10 else 80):

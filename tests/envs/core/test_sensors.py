@@ -1,4 +1,4 @@
-"""Sensors: exact where the scenario is ideal, else a force with a constant error and white noise."""
+"""Sensors: exact where the scenario is ideal, otherwise a force with constant bias and white noise."""
 
 from dataclasses import replace
 from typing import Any
@@ -20,27 +20,27 @@ REALISTIC = load_scenario("realistic")
 BIASED = replace(REALISTIC, force_noise=0.0)
 NOISY = replace(REALISTIC, force_bias=0.0)
 LAYOUT = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE))
-PLACE = LAYOUT.index("contact_force")
+FORCE = LAYOUT.index("contact_force")
 BLOCK = 256  # readings between two draws of noise
 LONG = 600  # steps, more than two blocks
 KOLMOGOROV = 1.95  # of sqrt(n) D, exceeded once in a thousand samples
 
 
 def begun(scenario: Scenario, seeds: list[int]) -> NoisyForceSensor:
-    sensors = NoisyForceSensor(scenario, PLACE, len(seeds))
+    sensors = NoisyForceSensor(scenario, FORCE, len(seeds))
     sensors.begin(np.arange(len(seeds)), seeds)
     return sensors
 
 
 def errors(sensors: NoisyForceSensor, num_envs: int) -> Array:
-    """What is read where nothing acts (num_envs, 3)."""
+    """Readings of a force of zero (num_envs, 3)."""
     observation = np.zeros((num_envs, LAYOUT.size))
     sensors.read(observation)
-    return observation[:, PLACE]
+    return observation[:, FORCE]
 
 
 def series(sensors: NoisyForceSensor, num_envs: int, count: int) -> Array:
-    """(count, num_envs, 3) readings of nothing, one a period."""
+    """Readings of a force of zero, one for each period (count, num_envs, 3)."""
     rows = []
     for _ in range(count):
         rows.append(errors(sensors, num_envs))
@@ -82,7 +82,7 @@ def pressed(environment_id: str, **keywords: Any) -> PRPEnv:
     return env
 
 
-def test_ideal_sensors_read_what_is_true() -> None:
+def test_ideal_sensors_read_the_ground_truth() -> None:
     ground_truth = np.random.default_rng(0).normal(size=(3, LAYOUT.size))
     reading, sensors = ground_truth.copy(), IdealSensors()
     sensors.begin(np.arange(3), [1, 2, 3])
@@ -99,8 +99,8 @@ def test_scenario_and_observation_choose_the_sensors(name: str) -> None:
     assert isinstance(make_sensors(scenario, ObservationLayout(MEASURED_FIELDS), 2), IdealSensors)
 
 
-@pytest.mark.parametrize("scenario", [BIASED, NOISY], ids=["constant error alone", "noise alone"])
-def test_noise_or_constant_error_alone_make_the_force_sensor_imperfect(scenario: Scenario) -> None:
+@pytest.mark.parametrize("scenario", [BIASED, NOISY], ids=["bias alone", "noise alone"])
+def test_noise_or_bias_alone_make_the_force_sensor_noisy(scenario: Scenario) -> None:
     assert isinstance(make_sensors(scenario, LAYOUT, 2), NoisyForceSensor)
 
 
@@ -110,7 +110,7 @@ def test_errors_add_to_the_force_and_to_nothing_else() -> None:
     error = errors(sensors, 2)
     sensors.read(reading)
     expected = ground_truth.copy()
-    expected[:, PLACE] += error
+    expected[:, FORCE] += error
     np.testing.assert_array_equal(reading, expected)
     assert (error != 0.0).all()
 
@@ -128,13 +128,13 @@ def test_noise_is_white_with_the_declared_deviation() -> None:
     np.testing.assert_allclose(between_axes, 0.0, rtol=0, atol=5 / np.sqrt(count))
 
 
-def test_constant_error_is_constant_within_an_episode() -> None:
+def test_bias_is_constant_within_an_episode() -> None:
     values = series(begun(BIASED, [5, 6]), 2, LONG)
     np.testing.assert_array_equal(values, np.broadcast_to(values[0], values.shape))
     assert (values[0, 0] != values[0, 1]).all()
 
 
-def test_constant_errors_of_many_episodes_are_uniform_within_the_declared_bound() -> None:
+def test_biases_of_many_episodes_are_uniform_within_the_declared_bound() -> None:
     seeds = list(range(3000))
     values = errors(begun(BIASED, seeds), len(seeds)) / REALISTIC.force_bias
     assert np.abs(values).max() <= 1.0
@@ -187,13 +187,13 @@ def test_noise_of_the_force_is_not_that_of_the_torques_of_the_same_seed() -> Non
     for lag in range(13):  # random numbers that one may have drawn before the other
         for early, late in ((drives, sensor), (sensor, drives)):
             correlation = (early[: len(early) - lag] * late[lag:]).mean()
-            # five standard errors of the correlation of so many pairs
+            # five standard errors of the correlation of so many samples
             assert correlation == pytest.approx(0.0, abs=5 / np.sqrt(len(early) - lag))
 
 
 @pytest.mark.parametrize("scenario", [name for name in SCENARIOS if name != "realistic"])
 @pytest.mark.parametrize("environment_id", prp_gym.list_envs())
-def test_observation_is_the_truth_in_ideal_scenarios(environment_id: str, scenario: str) -> None:
+def test_observation_is_the_ground_truth_in_ideal_scenarios(environment_id: str, scenario: str) -> None:
     env = environment(environment_id, scenario=scenario)
     observation, _ = env.reset(seed=2)
     for action in np.random.default_rng(0).uniform(-0.01, 0.01, size=(30, *env.torque_limit.shape)):
@@ -217,15 +217,15 @@ def test_only_the_contact_force_is_observed_with_errors(environment_id: str) -> 
 
 
 @pytest.mark.parametrize("environment_id", CONTACT_IDS)
-def test_errors_of_the_sensor_do_not_change_what_is_true_or_happens(environment_id: str) -> None:
+def test_errors_of_the_sensor_do_not_change_the_ground_truth(environment_id: str) -> None:
     env = pressed(environment_id, scenario="realistic")
     twin = pressed(environment_id, scenario="realistic")
     twin._loop._sensors = IdealSensors()
     touched = 0
     for action in np.random.default_rng(0).uniform(-0.01, 0.01, size=(150, 3)):
-        _, *judged = env.step(action)
+        _, *results = env.step(action)
         undisturbed, *expected = twin.step(action)
-        assert judged == expected
+        assert results == expected
         np.testing.assert_array_equal(env.ground_truth, twin.ground_truth)
         force = env.task.ground_truth_layout.split(env.ground_truth)["contact_force"]
         np.testing.assert_array_equal(force, env.physics.contact_force[0])
@@ -239,18 +239,18 @@ def reward_of(env: PRPEnv, parts: dict[str, Array], normal_error: float) -> floa
     inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
     deviation = parts["desired_pose"] - parts["end_effector_pose"]
     along = deviation[:3] - (deviation[:3] @ inward) * inward
-    worth = 0.6 / (1.0 + abs(normal_error) / 1.0)
-    worth += 0.2 / (1.0 + float(np.linalg.norm(along / 0.01)))
-    worth += 0.15 / (1.0 + float(np.linalg.norm(deviation[3:5] / 0.1)))
-    worth += 0.05 / (1.0 + float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0])))
-    return worth / env.control_frequency
+    rate = 0.6 / (1.0 + abs(normal_error) / 1.0)
+    rate += 0.2 / (1.0 + float(np.linalg.norm(along / 0.01)))
+    rate += 0.15 / (1.0 + float(np.linalg.norm(deviation[3:5] / 0.1)))
+    rate += 0.05 / (1.0 + float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0])))
+    return rate / env.control_frequency
 
 
-def test_reward_judges_the_true_force_and_not_its_reading() -> None:
+def test_reward_is_computed_from_the_true_force_and_not_from_its_reading() -> None:
     env = pressed("PRP-Force-v0", scenario="realistic")
     for action in np.random.default_rng(0).uniform(-0.01, 0.01, size=(100, 3)):
         observation, reward, *_ = env.step(action)
-        by_truth, by_reading = (
+        from_ground_truth, from_reading = (
             reward_of(env, parts, float(np.linalg.norm(parts["desired_force"]) - parts["contact_force"][1]))
             for parts in (
                 env.task.ground_truth_layout.split(env.ground_truth),
@@ -258,8 +258,8 @@ def test_reward_judges_the_true_force_and_not_its_reading() -> None:
             )
         )
         # some roundings
-        assert reward == pytest.approx(by_truth, rel=1e-12)
-        assert reward != pytest.approx(by_reading, rel=1e-7)
+        assert reward == pytest.approx(from_ground_truth, rel=1e-12)
+        assert reward != pytest.approx(from_reading, rel=1e-7)
 
 
 def test_info_holds_the_true_force() -> None:

@@ -1,4 +1,4 @@
-"""The one-link task: its plant is what was drawn or asked for, its references are what they are called."""
+"""The one-link task: its plant is the drawn or requested one, and its references have the declared shapes."""
 
 from typing import Any
 
@@ -62,7 +62,7 @@ def expected_acceleration(plant: tuple[float, float, float], state: tuple[float,
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize("plant", PLANTS)
 @pytest.mark.parametrize("how", ["keywords", "options"])
-def test_plant_that_was_asked_for_is_the_one_that_is_simulated(
+def test_requested_plant_is_the_one_that_is_simulated(
     how: str, plant: tuple[float, float, float], state: tuple[float, float]
 ) -> None:
     given = plant_options(plant)
@@ -240,7 +240,7 @@ def test_seed_decides_plant_and_reference() -> None:
     assert (one.trajectory.sample(time)[1:, 0, 0] != other.trajectory.sample(time)[1:, 0, 0]).all()
 
 
-def test_action_is_one_torque_over_its_limit() -> None:
+def test_action_is_one_torque_normalised_by_its_limit() -> None:
     env = environment()
     assert env.action_space.shape == (1,)
     np.testing.assert_array_equal(env.torque_limit, [30.0])
@@ -256,7 +256,7 @@ def test_action_is_one_torque_over_its_limit() -> None:
             env.step(np.array(wrong))
 
 
-def test_torque_is_late_and_noisy_in_the_realistic_scenario() -> None:
+def test_torque_has_delay_and_noise_in_the_realistic_scenario() -> None:
     env = environment(scenario="realistic")
     env.reset(seed=0)
     env.step(np.array([1.0]))

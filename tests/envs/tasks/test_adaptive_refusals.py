@@ -1,4 +1,4 @@
-"""What the one-link task refuses, by name, value and unit."""
+"""Refusals of the one-link task, with name, value and unit."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Where contact tasks put the arm, the surface and the reference: the report's places, and drawn ones."""
+"""Where contact tasks put the arm, the surface and the reference: the report's values, and drawn ones."""
 
 from typing import Any
 
@@ -40,40 +40,40 @@ def reference_at(env: PRPEnv, time: float) -> Array:
     return values
 
 
-def random_place(rng: np.random.Generator) -> ContactPoint:
+def random_point(rng: np.random.Generator) -> ContactPoint:
     joints = rng.uniform([-3.0, -0.28, -1.4], [3.0, -0.02, 1.4])
     return ContactPoint(ARM, joints, float(rng.choice([-1.0, 1.0])))
 
 
 @given(SEEDS)
-def test_slide_moves_the_tip_straight_into_the_surface(seed: int) -> None:
-    place = random_place(np.random.default_rng(seed))
+def test_slide_moves_the_tip_along_the_normal_of_the_surface(seed: int) -> None:
+    point = random_point(np.random.default_rng(seed))
     step = np.array([0.0, 1e-3, 0.0])
-    tips = [ARM.forward_kinematics(place.joint_position + shift)[:3] for shift in (step, -step)]
+    tips = [ARM.forward_kinematics(point.joint_position + shift)[:3] for shift in (step, -step)]
     along_slide = (tips[0] - tips[1]) / 2e-3
     # the slide is straight: only roundings of 1e-16 m over a step of 1e-3 m
-    np.testing.assert_allclose(place.normal, -place.side * along_slide, rtol=0, atol=1e-12)
-    assert np.linalg.norm(place.normal) == pytest.approx(1.0, rel=1e-15)
+    np.testing.assert_allclose(point.normal, -point.side * along_slide, rtol=0, atol=1e-12)
+    assert np.linalg.norm(point.normal) == pytest.approx(1.0, rel=1e-15)
 
 
 @given(SEEDS)
-def test_surface_passes_through_the_tip_at_the_first_touch(seed: int) -> None:
-    place = random_place(np.random.default_rng(seed))
-    tip = ARM.forward_kinematics(place.joint_position)[:3]
-    assert place.offset == pytest.approx(place.normal @ tip, abs=1e-15)
-    np.testing.assert_allclose(place.near(np.zeros(3)), place.joint_position, rtol=0, atol=1e-15)
+def test_surface_passes_through_the_tip_at_first_contact(seed: int) -> None:
+    point = random_point(np.random.default_rng(seed))
+    tip = ARM.forward_kinematics(point.joint_position)[:3]
+    assert point.offset == pytest.approx(point.normal @ tip, abs=1e-15)
+    np.testing.assert_allclose(point.near(np.zeros(3)), point.joint_position, rtol=0, atol=1e-15)
 
 
 @given(SEEDS)
-def test_joint_positions_near_the_surface_lie_at_the_asked_depth(seed: int) -> None:
+def test_joint_positions_near_the_surface_lie_at_the_requested_depth(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    place = random_place(rng)
+    point = random_point(rng)
     offsets = rng.uniform([-0.5, -0.1, -1.0], [0.5, 0.1, 1.0], size=(4, 5, 3))
-    joints = place.near(offsets)
-    depth = place.offset - ARM.forward_kinematics(joints)[..., :3] @ place.normal
+    joints = point.near(offsets)
+    depth = point.offset - ARM.forward_kinematics(joints)[..., :3] @ point.normal
     # some roundings of lengths below 1 m
     np.testing.assert_allclose(depth, offsets[..., 1], rtol=0, atol=2e-15)
-    np.testing.assert_allclose(joints[..., [0, 2]], (place.joint_position + offsets)[..., [0, 2]], rtol=1e-15)
+    np.testing.assert_allclose(joints[..., [0, 2]], (point.joint_position + offsets)[..., [0, 2]], rtol=1e-15)
 
 
 @pytest.mark.parametrize("seeds", [range(200)], ids=["200 draws"])
@@ -97,7 +97,7 @@ def test_drawn_episodes_start_off_the_surface_and_keep_to_the_joint_limits(
         assert (depth_of(start, targets) <= max(deepest) + 1e-14).all()
 
 
-def test_drawn_references_lead_into_the_surface_where_the_task_is_to_give_way(environment_id: str) -> None:
+def test_drawn_references_lead_into_the_surface_where_the_task_is_to_yield(environment_id: str) -> None:
     task = task_of(environment_id)
     asks_for_force = "desired_force" in task.layout.names
     for seed in range(50):
@@ -124,7 +124,7 @@ def test_surface_is_drawn_on_both_sides_and_its_stiffness_log_uniformly(environm
     assert np.isfinite(tips).all()
 
 
-def test_nothing_touches_at_the_start_of_drawn_episodes(environment_id: str) -> None:
+def test_no_tip_is_in_contact_at_the_start_of_drawn_episodes(environment_id: str) -> None:
     env = environment(environment_id)
     for seed in range(20):
         env.reset(seed=seed)
@@ -211,7 +211,7 @@ def test_report_force_and_position_is_the_reports_feasible_variant() -> None:
         assert_pose(reference_at(env, time)[:6], -reach, -0.4, 0.03, -np.pi / 2, 2 * np.pi / 3, np.pi / 2)
 
 
-def test_report_force_and_position_may_start_at_home_inside_the_surface_as_it_was_run() -> None:
+def test_report_force_and_position_may_start_at_home_inside_the_surface_as_its_author_ran_it() -> None:
     env, ground_truth, start = report("PRP-ForcePosition-v0", start="home", surface_stiffness=1.0)
     np.testing.assert_array_equal(ground_truth["joint_position"], 0.0)
     depth = depth_of(start, np.zeros(3))

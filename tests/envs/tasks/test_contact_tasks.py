@@ -1,4 +1,4 @@
-"""Contact tasks: the surface pushes back as declared, says so, and refuses what cannot be."""
+"""Contact tasks: the surface acts as declared, `info` has its force, impossible ones are refused."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -39,7 +39,7 @@ def environment_id(request: pytest.FixtureRequest) -> str:
 
 
 def begun(environment_id: str, options: Mapping[str, Any], **keywords: Any) -> dict[str, Array]:
-    """What is true at the start of an episode, by name."""
+    """The ground truth at the start of an episode, by field."""
     env = environment(environment_id, **keywords)
     env.reset(seed=0, options=dict(options))
     return ground_truth_of(env)
@@ -94,7 +94,7 @@ def test_any_plane_pushes_back_along_its_normal_with_stiffness_times_depth(seed:
     np.testing.assert_array_equal(begun("PRP-Compliance-v0", away)["contact_force"], 0.0)
 
 
-def test_static_press_feels_stiffness_times_depth(environment_id: str) -> None:
+def test_static_contact_force_is_stiffness_times_depth(environment_id: str) -> None:
     env = environment(environment_id, surface_stiffness=400.0, surface_damping=20.0, duration=2.0, **PLANE)
     env.reset(seed=0, options={"joint_position": (0.0, -0.1, 0.0)})
     stiffness, damping = np.array([2000.0, 0.0, 20.0]), np.array([60.0, 20.0, 1.0])
@@ -111,7 +111,7 @@ def test_static_press_feels_stiffness_times_depth(environment_id: str) -> None:
     assert info["contact_force"] == pytest.approx(8.0, rel=1e-4)
 
 
-def test_info_tells_the_force_and_whether_it_is_beyond_its_bound(environment_id: str) -> None:
+def test_info_reports_the_force_and_whether_it_is_beyond_its_bound(environment_id: str) -> None:
     env = environment(environment_id)
     for stiffness, beyond in ((900.0, 0.0), (1100.0, 1.0), (0.5, 0.0)):
         env.reset(seed=0, options={**PRESSED, "surface_stiffness": stiffness, "surface_damping": 0.0})
@@ -126,7 +126,7 @@ def test_info_tells_the_force_and_whether_it_is_beyond_its_bound(environment_id:
     assert units["contact_force"] == "N"
 
 
-def test_tip_off_the_surface_feels_nothing_and_costs_nothing(environment_id: str) -> None:
+def test_tip_off_the_surface_has_no_contact_force_and_no_cost(environment_id: str) -> None:
     env = environment(environment_id)
     env.reset(seed=0, options={**PRESSED, "surface_offset": 0.38, "surface_stiffness": 5000.0})
     *_, info = env.step(np.zeros(3))
@@ -275,7 +275,7 @@ def test_hardest_surface_pushes_within_the_declared_bounds(environment_id: str) 
     assert env.observation_space.contains(observation)
 
 
-def test_initial_joint_state_is_the_one_asked_for(environment_id: str) -> None:
+def test_initial_joint_state_is_the_requested_one(environment_id: str) -> None:
     position, velocity = (0.3, -0.2, 0.1), (0.1, -0.2, 0.3)
     ground_truth = begun(environment_id, {"joint_position": position, "joint_velocity": velocity})
     np.testing.assert_array_equal(ground_truth["joint_position"], position)

@@ -1,4 +1,4 @@
-"""Force tasks: what is pressed with and where, what is judged, and where episodes begin."""
+"""Force tasks: the desired force, its errors, and where episodes start."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ from tests.support.contact_episodes import joint_path, joint_targets
 
 FORCE, FORCE_POSITION = "PRP-Force-v0", "PRP-ForcePosition-v0"
 IDS = (FORCE, FORCE_POSITION)
-DEEPEST = {FORCE: 0.06, FORCE_POSITION: 0.05}  # that a drawn force may ask for [m]
+DEEPEST = {FORCE: 0.06, FORCE_POSITION: 0.05}  # largest indentation by a drawn force [m]
 ARM = PRPArm()
 NAN = float("nan")
 
@@ -67,7 +67,7 @@ def test_desired_force_points_into_the_surface_and_is_drawn_between_1_and_10_new
     assert np.mean(magnitudes) == pytest.approx(5.5, abs=5 * 9 / np.sqrt(12 * 200))
 
 
-def test_drawn_force_asks_for_no_greater_depth_than_the_task_allows(environment_id: str) -> None:
+def test_drawn_force_presses_no_deeper_than_the_task_allows(environment_id: str) -> None:
     task, deepest = task_of(environment_id), DEEPEST[environment_id]
     assert task.ranges["greatest_depth"].high[0] == deepest
     capped = 0
@@ -94,7 +94,7 @@ def test_drawn_force_is_reached_within_the_slide_range(environment_id: str) -> N
             assert lower <= q[1] + missing / along <= upper
 
 
-def test_force_asked_for_is_neither_drawn_nor_capped(environment_id: str) -> None:
+def test_requested_force_is_neither_drawn_nor_limited(environment_id: str) -> None:
     soft = {"surface_stiffness": 50.0}
     by_keyword, both = task_of(environment_id, desired_force=7), task_of(environment_id, desired_force=7.0)
     for start, expected in (
@@ -209,11 +209,13 @@ def test_start_at_home_leaves_the_reference_as_it_is() -> None:
 
 @pytest.mark.parametrize("scenario", ["randomized", "realistic"])
 def test_start_at_home_is_refused_where_the_surface_is_drawn(scenario: str) -> None:
-    with pytest.raises(InvalidValueError, match=r"start is 'home'; allowed: 'goal': .*scenario 'report'"):
+    with pytest.raises(
+        InvalidValueError, match=r"start is 'home'; allowed: 'goal' in this scenario: .*scenario 'report'"
+    ):
         gymnasium.make(FORCE_POSITION, scenario=scenario, start="home")
 
 
-def test_joint_position_asked_for_overrides_the_start_at_home() -> None:
+def test_requested_joint_position_overrides_the_start_at_home() -> None:
     position = (0.2, -0.1, 0.3)
     start = draw(task_of(FORCE_POSITION, scenario="report", start="home"), 3, joint_position=position)
     np.testing.assert_array_equal(start.joint_position, position)

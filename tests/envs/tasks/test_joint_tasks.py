@@ -19,8 +19,9 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Constant, QuinticWaypoints
 from prp_gym.tasks.parts import EpisodeStart
 from prp_gym.tasks.reward import Reward
+from prp_gym.tasks.setup import TaskNumbers, TaskSetup
 from prp_gym.tasks.spec import TASKS, NoOptions
-from prp_gym.tasks.task import Task, TaskNumbers, TaskSetup
+from prp_gym.tasks.task import Task
 
 SEEDS = st.integers(0, 2**32 - 1)
 PERIOD = 0.002  # of control; nothing here depends on it [s]
@@ -79,7 +80,7 @@ def within_limits(joint_position: Array) -> bool:
     return bool(((joint_position >= LOW) & (joint_position <= HIGH)).all())
 
 
-def test_report_regulation_starts_at_home_at_rest_and_asks_for_the_reports_position() -> None:
+def test_report_regulation_starts_at_home_at_rest_with_the_reports_goal() -> None:
     env = environment("PRP-JointRegulation-v0")
     parts = env.observation_layout.split(env.reset(seed=0)[0])
     np.testing.assert_array_equal(parts["joint_position"], 0.0)
@@ -155,7 +156,7 @@ def test_declared_ranges_lie_within_the_joint_limits(scenario: str, environment_
 
 @settings(max_examples=50)
 @given(SEEDS)
-def test_everything_drawn_is_reachable_and_references_begin_where_the_arm_stands(seed: int) -> None:
+def test_everything_drawn_is_reachable_and_references_start_at_the_arms_position(seed: int) -> None:
     for scenario in RANDOM:
         for task in tasks(scenario):
             start = draw(task, seed)
@@ -249,12 +250,12 @@ def test_sine_about_a_goal_too_near_a_limit_is_refused() -> None:
 def test_joint_limits_are_inclusive_and_name_the_joint(joint: int, unit: str, side: float) -> None:
     edge = np.array([0.0, -0.1, 0.0])
     edge[joint - 1] = (LOW if side < 0 else HIGH)[joint - 1]
-    check_joint_limits(PRPArm(), "place", edge)
+    check_joint_limits(PRPArm(), "start", edge)
     beyond = edge.copy()
     beyond[joint - 1] += side * 1e-5
     for values in (beyond, np.array([edge, beyond])):
-        with pytest.raises(JointLimitError, match=f"place: joint {joint} is") as caught:
-            check_joint_limits(PRPArm(), "place", values)
+        with pytest.raises(JointLimitError, match=f"start: joint {joint} is") as caught:
+            check_joint_limits(PRPArm(), "start", values)
         assert caught.value.joint == joint
         assert caught.value.value == beyond[joint - 1]
         assert caught.value.unit == unit

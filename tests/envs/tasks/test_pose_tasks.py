@@ -1,4 +1,4 @@
-"""Pose tasks: references are motions of the pose, from the report's numbers or drawn, and judged as poses."""
+"""Pose tasks: references and errors are those of the pose, from the report's numbers or drawn."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What a task asks the arm to behave like: told to the laws, and rendered by them with our gains only."""
+"""The target impedance of a task: passed to the controllers, which render it with tuned gains only."""
 
 from contextlib import closing
 from typing import Any
@@ -36,7 +36,7 @@ ASKING = [
 
 
 def names_of(environment_id: str) -> tuple[str, ...]:
-    """What a task asks for; a spring's own motion needs no inertia or damping."""
+    """The target parameters of a task; a spring has neither inertia nor damping."""
     return ("stiffness",) if environment_id == COMPLIANCE else tuple(AXES)
 
 
@@ -45,13 +45,13 @@ def keywords_of(environment_id: str) -> dict[str, Any]:
 
 
 def settings_of(controller: str, environment_id: str, gains: str, rate: int = 500, **overrides: Any) -> Any:
-    """Settings of a law on a task whose target keywords are `AXES`."""
+    """Settings of a controller on a task whose target keywords are `AXES`."""
     with closing(make(environment_id, control_frequency=rate, **keywords_of(environment_id))) as env:
         return make_baseline(controller, env, gains, **overrides).settings
 
 
 @pytest.mark.parametrize("environment_id", prp_gym.list_envs())
-def test_tasks_that_render_ask_for_their_target_and_others_for_nothing(environment_id: str) -> None:
+def test_impedance_rendering_tasks_have_a_target_and_others_have_none(environment_id: str) -> None:
     with closing(make(environment_id)) as env:
         target_impedance = ControlInterface.of(TimeLimit(env, max_episode_steps=5)).target_impedance
         own = env.unwrapped.task.numbers.constants.get("target", {})
@@ -61,7 +61,7 @@ def test_tasks_that_render_ask_for_their_target_and_others_for_nothing(environme
 
 
 @pytest.mark.parametrize("environment_id", RENDERING)
-def test_target_keywords_are_what_the_task_asks_for(environment_id: str) -> None:
+def test_target_keywords_set_the_target_impedance(environment_id: str) -> None:
     with closing(make(environment_id, **keywords_of(environment_id))) as env:
         target_impedance = ControlInterface.of(env).target_impedance
     assert tuple(target_impedance) == names_of(environment_id)
@@ -69,7 +69,7 @@ def test_target_keywords_are_what_the_task_asks_for(environment_id: str) -> None
         np.testing.assert_array_equal(value, AXES[name])
 
 
-def test_laws_that_render_say_what() -> None:
+def test_controllers_that_render_a_target_declare_its_parameters() -> None:
     assert {name: spec.policy.rendered for name, spec in BASELINES.items() if spec.policy.rendered} == TAKEN
     for spec in BASELINES.values():
         assert set(spec.policy.rendered) <= set(spec.settings_class.vectors)
@@ -78,14 +78,16 @@ def test_laws_that_render_say_what() -> None:
 
 
 RENDERED = [
-    (controller, place, gains)
-    for controller, place in ASKING
+    (controller, environment_id, gains)
+    for controller, environment_id in ASKING
     for gains in BASELINES[controller].data.target_impedance_sets
 ]
 
 
 @pytest.mark.parametrize(("controller", "environment_id", "gains"), RENDERED)
-def test_tuned_law_renders_what_the_task_asks_for(controller: str, environment_id: str, gains: str) -> None:
+def test_tuned_controller_renders_the_target_impedance(
+    controller: str, environment_id: str, gains: str
+) -> None:
     settings = settings_of(controller, environment_id, gains, RATE[gains])
     numbers = load_gains(controller, gains, environment_id)
     rendered = set(TAKEN[controller]) & set(names_of(environment_id))
@@ -109,7 +111,9 @@ def test_other_gain_sets_keep_their_own_numbers(controller: str, environment_id:
 
 
 @pytest.mark.parametrize(("controller", "environment_id", "gains"), RENDERED)
-def test_overrides_win_over_what_the_task_asks_for(controller: str, environment_id: str, gains: str) -> None:
+def test_overrides_take_precedence_over_the_target_impedance(
+    controller: str, environment_id: str, gains: str
+) -> None:
     for name in TAKEN[controller]:
         changed = settings_of(controller, environment_id, gains, RATE[gains], **{name: 7.0})
         plain = settings_of(controller, environment_id, gains, RATE[gains])
@@ -119,7 +123,7 @@ def test_overrides_win_over_what_the_task_asks_for(controller: str, environment_
 
 
 @pytest.mark.parametrize("environment_id", RENDERING)
-def test_laws_that_render_nothing_do_not_notice_the_target(environment_id: str) -> None:
+def test_controllers_that_render_no_target_do_not_depend_on_it(environment_id: str) -> None:
     with (
         closing(make(environment_id)) as env,
         closing(make(environment_id, **keywords_of(environment_id))) as other,
@@ -131,7 +135,7 @@ def test_laws_that_render_nothing_do_not_notice_the_target(environment_id: str) 
 
 
 @pytest.mark.parametrize("controller", TAKEN)
-def test_where_no_target_is_asked_for_the_set_s_own_numbers_hold(controller: str) -> None:
+def test_gain_set_keeps_its_own_numbers_on_tasks_without_a_target(controller: str) -> None:
     with closing(make("PRP-Force-v0")) as env:
         settings, numbers = (
             make_baseline(controller, env).settings,
@@ -145,10 +149,10 @@ def test_where_no_target_is_asked_for_the_set_s_own_numbers_hold(controller: str
     ("controller", "environment_id"),
     [("impedance", IMPEDANCE), ("admittance", ADMITTANCE), ("compliance", COMPLIANCE)],
 )
-def test_law_that_renders_another_target_is_judged_better_than_one_that_does_not(
+def test_controller_that_renders_the_target_scores_better_than_one_that_does_not(
     controller: str, environment_id: str
 ) -> None:
-    """A target of three times the stiffness: the law that is told of it follows its model's pose."""
+    """A target of three times the stiffness: the controller that receives it follows its model's pose."""
     keywords: dict[str, Any] = {
         "target_stiffness": [150.0, 150.0, 150.0, 50.0, 50.0, 50.0],
         "surface_stiffness": 400.0,
@@ -172,7 +176,7 @@ SLOWER = {1000.0: 500, 500.0: 250, 100.0: 50, 50.0: 25}
 
 
 def home_of(controller: str) -> str:
-    """An environment on which a law can run."""
+    """An environment on which a controller can run."""
     return next(environment_id for environment_id, other in COMBINATIONS if other == controller)
 
 
@@ -189,7 +193,7 @@ def test_set_is_refused_below_its_rate_and_taken_at_it(controller: str, gains: s
 
 
 @pytest.mark.parametrize(("controller", "gains", "least"), LEAST)
-def test_gains_of_one_s_own_are_free_to_choose_the_rate_if_they_are_complete(
+def test_complete_gains_of_the_user_may_have_any_control_frequency(
     controller: str, gains: str, least: float
 ) -> None:
     names = tuple(BASELINES[controller].settings_class.vectors)

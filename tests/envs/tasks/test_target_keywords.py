@@ -34,8 +34,10 @@ def test_target_keywords_replace_the_tasks_own_numbers_and_no_others(environment
     for index, name in enumerate(names):
         for value, expected in ((3, [3.0] * 6), ([1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6])):
             found = target(environment(environment_id, **{name: value}))
-            for place in range(3):
-                np.testing.assert_array_equal(found[place], expected if place == index else own[place])
+            for axis_kind in range(3):
+                np.testing.assert_array_equal(
+                    found[axis_kind], expected if axis_kind == index else own[axis_kind]
+                )
 
 
 def test_static_task_takes_no_inertia_or_damping() -> None:

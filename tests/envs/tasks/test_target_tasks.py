@@ -41,8 +41,8 @@ def press(env: PRPEnv) -> Array:
     return torque / env.torque_limit
 
 
-def played(env: PRPEnv, steps: int) -> dict[str, Array]:
-    """True values (steps + 1, size) by name of an episode that begins and stays in contact for a while."""
+def pressed_episode(env: PRPEnv, steps: int) -> dict[str, Array]:
+    """Ground truth (steps + 1, size) by name of an episode that begins and stays in contact for a while."""
     env.reset(seed=3, options=PRESSED)
     rows = [env.ground_truth]
     for _ in range(steps):
@@ -101,7 +101,7 @@ def test_model_moves_as_its_equation_says_under_the_true_force(
     environment_id: str, keywords: dict[str, Any], numbers: tuple[Any, Any, Any], scenario: str
 ) -> None:
     env = environment(environment_id, scenario=scenario, **keywords)
-    parts = played(env, round(0.8 * env.control_frequency))
+    parts = pressed_episode(env, round(0.8 * env.control_frequency))
     force = parts["contact_force"]
     assert np.abs(force[0]).max() > 10.0  # from the first instant
     assert (np.abs(force).max(axis=0) > 1.0).all()  # on every axis
@@ -129,10 +129,10 @@ def test_model_without_contact_is_the_reference() -> None:
     ("keywords", "stiffness"),
     [({}, 50.0), ({"target_stiffness": 200}, 200.0), ({"target_stiffness": (9, 8, 7, 1, 1, 1)}, (9, 8, 7))],
 )
-def test_static_model_gives_way_at_once_by_force_over_stiffness(
+def test_static_model_is_displaced_at_once_by_force_over_stiffness(
     keywords: dict[str, Any], stiffness: Any
 ) -> None:
-    parts = played(environment(COMPLIANCE, **keywords), 100)
+    parts = pressed_episode(environment(COMPLIANCE, **keywords), 100)
     displacement = parts["desired_pose"] - parts["model_pose"]
     expected = parts["contact_force"] / np.array(stiffness, dtype=float)
     assert np.abs(expected).max() > 0.1
@@ -142,7 +142,7 @@ def test_static_model_gives_way_at_once_by_force_over_stiffness(
 
 
 def test_static_model_stays_where_it_has_no_stiffness() -> None:
-    parts = played(environment(COMPLIANCE, target_stiffness=(0.0, 50.0, 0.0, 0.0, 0.0, 0.0)), 20)
+    parts = pressed_episode(environment(COMPLIANCE, target_stiffness=(0.0, 50.0, 0.0, 0.0, 0.0, 0.0)), 20)
     displacement = parts["desired_pose"] - parts["model_pose"]
     np.testing.assert_array_equal(displacement[:, [0, 2, 3, 4, 5]], 0.0)
     assert (np.abs(displacement[:, 1]) > 0.0).all()

@@ -1,0 +1,66 @@
+"""What the parts of a task are made from: the numbers of its data file, its scenario, keywords and period."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from prp_gym.tasks.reward import RewardTerm
+from prp_gym.tasks.scenario import Range, Scenario
+
+
+@dataclass(frozen=True)
+class TaskNumbers:
+    """The numbers of a task, read from its data file.
+
+    Attributes:
+        reward: Terms of the reward.
+        ranges: Ranges from which starts and goals are drawn, by name of a kind of draws (`report`,
+            `randomized`).
+        constants: Other numbers by name, with their units in the data file.
+    """
+
+    reward: tuple[RewardTerm, ...]
+    ranges: Mapping[str, Mapping[str, Range]]
+    constants: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, path: Path) -> "TaskNumbers":
+        """Read a TOML file: tables `reward` and `constants`, and one for each kind of draws."""
+        table = _read_table(path)
+        reward = tuple(RewardTerm.from_table(name, row) for name, row in table["reward"].items())
+        ranges = {
+            kind: {name: Range.from_table(row) for name, row in rows.items()}
+            for kind, rows in table.items()
+            if kind not in ("reward", "constants")
+        }
+        return cls(reward, ranges, table.get("constants", {}))
+
+
+@cache
+def _read_table(path: Path) -> dict[str, Any]:
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+@dataclass(frozen=True)
+class TaskSetup:
+    """The inputs from which the parts of a task are made.
+
+    Attributes:
+        numbers: Numbers of the task's data file.
+        scenario: Conditions of the episodes.
+        options: The task's own keywords.
+        period: Control period [s].
+    """
+
+    numbers: TaskNumbers
+    scenario: Scenario
+    options: Any
+    period: float
+
+    @property
+    def ranges(self) -> Mapping[str, Range]:
+        """The ranges from which this scenario draws."""
+        return self.numbers.ranges[self.scenario.draws]
