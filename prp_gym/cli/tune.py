@@ -36,13 +36,16 @@ RESULT = "result.json"
 
 
 def tune_command(
+    env: Annotated[str, typer.Option(help="Environment id.")],
     controller: Annotated[
-        str,
+        str | None,
         typer.Argument(
             help="Controller to tune, or your own as path/to/file.py:Name or package.module:Name.",
         ),
-    ],
-    env: Annotated[str, typer.Option(help="Environment id.")],
+    ] = None,
+    baseline: Annotated[
+        str | None, typer.Option(help="The same, as an option in place of the argument.")
+    ] = None,
     budget: Annotated[
         int | None, typer.Option(help="Control steps to simulate at most, of all environments together.")
     ] = None,
@@ -74,7 +77,8 @@ def tune_command(
     if env not in list_envs():
         raise UnknownNameError("environment", env, list_envs())
     steps = _budget(budget, like, control_frequency)
-    choice, controllers = choose_controller(controller, GainsChoice.read(gains or TUNED, settings or ()))
+    name = _one_name(controller, baseline)
+    choice, controllers = choose_controller(name, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
         choice = with_start_gains(choice, controllers, env, control_frequency)
     task = TuningTask(env, choice.name, scenario, control_frequency, steps, episodes, seed)
@@ -88,6 +92,18 @@ def tune_command(
         result = _result(task, choice, tuned, episodes_to_run(made, task.episodes), checked)
     write_json(folder / RESULT, asdict(result))
     _show(result, folder / RESULT)
+
+
+def _one_name(controller: str | None, baseline: str | None) -> str:
+    """The controller, named by the argument or by the option.
+
+    Raises:
+        InvalidValueError: named by none of the two, or by both.
+    """
+    given = [name for name in (controller, baseline) if name is not None]
+    if len(given) != 1:
+        raise InvalidValueError("controller and --baseline", (controller, baseline), "exactly one of the two")
+    return given[0]
 
 
 def _budget(budget: int | None, like: str | None, control_frequency: float) -> int:

@@ -143,10 +143,12 @@ def test_budget_like_an_agent_s_is_its_simulated_time(
         ([CONTROLLER, "--env", "PRP-Nowhere-v0", "--budget", "200"], UnknownNameError),
         (["joint_pid", "--env", ENVIRONMENT, "--budget", "200"], UnknownNameError),
         (
-            [CONTROLLER, "--env", ENVIRONMENT, "--budget", "200", "--scenario", "within_limits"],
+            [CONTROLLER, "--env", ENVIRONMENT, "--budget", "200", "--scenario", "windy"],
             UnknownNameError,
         ),
         (["admittance", "--env", ENVIRONMENT, "--budget", "200"], MissingFieldError),
+        (["--env", ENVIRONMENT, "--budget", "200"], InvalidValueError),
+        ([CONTROLLER, "--baseline", CONTROLLER, "--env", ENVIRONMENT, "--budget", "200"], InvalidValueError),
     ],
 )
 def test_options_of_which_no_search_can_be_made_are_refused(
@@ -155,6 +157,22 @@ def test_options_of_which_no_search_can_be_made_are_refused(
     result = RUNNER.invoke(app, ["tune", *arguments, "--output", str(tmp_path)])
     assert type(result.exception) is error, result.output
     assert not list(tmp_path.glob("**/*.json"))
+
+
+def test_controller_may_be_named_by_an_option_as_in_the_other_commands(tmp_path: Path) -> None:
+    assert run(tmp_path / "argument", "--budget", "60").exit_code == 0
+    options = [
+        "tune",
+        "--baseline",
+        CONTROLLER,
+        *OPTIONS,
+        "--budget",
+        "60",
+        "--output",
+        str(tmp_path / "option"),
+    ]
+    assert RUNNER.invoke(app, options).exit_code == 0
+    assert content(tmp_path / "option") == content(tmp_path / "argument")
 
 
 def test_deterministic_scenario_is_one_episode(tmp_path: Path) -> None:
