@@ -1,5 +1,7 @@
 """The Gymnasium environments: one single and one vectorised class for all tasks."""
 
+from typing import Any
+
 from prp_gym.envs.config import EnvConfig
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.environment import PRPEnv
@@ -16,3 +18,10 @@ __all__ = [
     "PRPVectorEnv",
     "VectorState",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Names of 0.1 that are deprecated."""
+    from prp_gym.envs.former_names import find_former_name
+
+    return find_former_name(name)
