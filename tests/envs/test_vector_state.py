@@ -128,7 +128,7 @@ def test_state_of_single_environments_or_of_nothing_is_refused() -> None:
     alone.reset(seed=0)
     before = pickle.dumps(env.get_state())
     for state, kind in ((alone.get_state(), "EnvState"), (None, "NoneType"), ({}, "dict")):
-        with pytest.raises(InvalidValueError, match=f"saved state is '{kind}'; allowed: what get_state"):
+        with pytest.raises(InvalidValueError, match=f"saved state is '{kind}'; allowed: a VectorState"):
             env.set_state(state)  # type: ignore[arg-type]
     with pytest.raises(InvalidValueError, match="saved state is 'VectorState'"):
         alone.set_state(env.get_state())  # type: ignore[arg-type]
@@ -140,8 +140,8 @@ def test_state_of_single_environments_or_of_nothing_is_refused() -> None:
     [
         ({"num_envs": N - 1}, "number of environments is 3; allowed: 4"),
         ({"num_envs": 1}, "number of environments is 1; allowed: 4"),
-        ({"environment_id": "PRP-ForcePosition-v0"}, "task is 'ForcePosition'; allowed: Force"),
-        ({"environment_id": "PRP-Adaptive-v0"}, "task is 'AdaptiveTracking'"),
+        ({"environment_id": "PRP-ForcePosition-v0"}, "task is 'PRP-ForcePosition-v0'; allowed: PRP-Force-v0"),
+        ({"environment_id": "PRP-Adaptive-v0"}, "task is 'PRP-Adaptive-v0'"),
         ({"scenario": "realistic"}, "keywords"),
         ({"duration": 1.0}, "keywords"),
         ({"surface_stiffness": 100.0}, "keywords"),
