@@ -52,7 +52,7 @@ def _warn(name: str, instead: str) -> None:
 def _make_class(name: str, kind: type[Any], environment_id: str) -> type[Any]:
     """A class whose instances are environments of one task."""
 
-    def __init__(self: Any, *arguments: Any, **keywords: Any) -> None:
+    def begin(self: Any, *arguments: Any, **keywords: Any) -> None:
         kind.__init__(self, environment_id, *arguments, **keywords)
 
-    return type(name, (kind,), {"__init__": __init__, "__doc__": f"Deprecated: `{environment_id}`."})
+    return type(name, (kind,), {"__init__": begin, "__doc__": f"Deprecated: `{environment_id}`."})

@@ -32,7 +32,7 @@ def test_former_options_classes_are_those_of_the_tasks() -> None:
 
 
 def test_name_that_never_existed_is_an_attribute_error() -> None:
-    with pytest.raises(AttributeError, match="'prp_gym.envs' has no attribute 'NowhereEnv'"):
+    with pytest.raises(AttributeError, match="no attribute 'NowhereEnv'"):
         envs.NowhereEnv  # noqa: B018
 
 
