@@ -57,6 +57,7 @@ WORDS = (
         "job, or what the two are",
         (
             "pairs? of",
+            "object pairs hook",
             "(contact|geom|collision) pairs?",
             "pair name",
             r"pair (sol|geom|friction|margin|dim)\w*",
@@ -100,25 +101,19 @@ WORDS = (
 DANGLING = re.compile(r"(of|by|for|from|with|at|to|in|on|as|which|whose|who) ", re.IGNORECASE)
 """How a description begins that needs the name before it."""
 
-CLEAN = (
-    "CHANGELOG.md",
-    "CONTRIBUTING.md",
-    "Makefile",
-    "README.md",
-    "bench/",
-    "docs/errata.md",
-    "docs/learning.md",
-    "docs/performance.md",
-    "docs/references.md",
-    "docs/theory.md",
-    "tests/bench/",
-    "tests/errata/",
-    "tests/physics/",
-    "prp_gym/physics/",
-    "prp_gym/robot/",
-    "tests/robot/",
+NOT_YET = (
+    "baselines/",
+    "bench/mutants",
+    "envs/",
+    "prp_gym/action_modes/",
+    "prp_gym/cli/",
+    "prp_gym/reproduction/",
+    "prp_gym/runs/",
+    "prp_gym/tuning/",
+    "docs/command_line.md",
+    "tests/",
 )
-"""Folders and files that are held to the list."""
+"""Folders and files that are not yet held to the list."""
 
 FORMER_NAMES: dict[str, tuple[str, ...]] = {"CHANGELOG.md": ("make pictures",)}
 """Names that stay for a release with a `DeprecationWarning`, by the file that may still write them."""
@@ -180,7 +175,7 @@ def attribute_phrases(name: str) -> Iterator[tuple[str, str, str]]:
                     yield node.name, entry[1], entry[2]
 
 
-@pytest.mark.parametrize("name", [name for name in tracked() if name.startswith(CLEAN)])
+@pytest.mark.parametrize("name", [name for name in tracked() if not name.startswith(NOT_YET)])
 def test_no_word_of_the_former_dialect_is_left(name: str) -> None:
     assert hits(name) == []
 
@@ -189,7 +184,10 @@ def test_class_names_are_unique() -> None:
     assert {name: where for name, where in declared_classes().items() if len(where) > 1} == {}
 
 
-@pytest.mark.parametrize("name", [n for n in tracked() if n.endswith(".py") and n.startswith(PACKAGES)])
+@pytest.mark.parametrize(
+    "name",
+    [n for n in tracked() if n.endswith(".py") and n.startswith(PACKAGES) and not n.startswith(NOT_YET)],
+)
 def test_descriptions_of_attributes_can_be_read_alone(name: str) -> None:
     assert [entry for entry in attribute_phrases(name) if DANGLING.match(entry[2])] == []
 
