@@ -1,4 +1,4 @@
-"""Artifacts: files that are strict, complete and written in one piece, and how they are read back."""
+"""Artifacts: strict JSON and other files, how they are written atomically and how they are read."""
 
 import json
 import math
@@ -21,7 +21,7 @@ _PACKAGES = ("prp-gym", "gymnasium", "mujoco", "numpy")
 
 
 def to_plain(value: Any) -> Any:
-    """A value as strict JSON knows it; NaN becomes null, infinity the text "inf" or "-inf"."""
+    """A value in the types of strict JSON; NaN becomes null, infinity the text "inf" or "-inf"."""
     if is_dataclass(value) and not isinstance(value, type):
         return to_plain(asdict(value))
     if isinstance(value, Mapping):
@@ -38,7 +38,7 @@ def to_plain(value: Any) -> Any:
 
 
 def to_array(plain: Sequence[Any]) -> NDArray[np.float64]:
-    """Numbers as `to_plain` leaves them, or nested lists of such, as an array again."""
+    """An array from numbers that `to_plain` has converted, or from nested lists of them."""
     return np.array(plain, dtype=np.float64)  # numpy reads None as NaN and "inf" as infinity
 
 
@@ -48,7 +48,7 @@ def list_versions() -> dict[str, str]:
 
 
 def prepare_folder(folder: Path) -> None:
-    """Make a folder for results, before the work whose results it is to hold.
+    """Make a folder for results, before the work that writes into it.
 
     Raises:
         OutputError: it cannot be made or written to.
@@ -61,7 +61,7 @@ def prepare_folder(folder: Path) -> None:
 
 
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
-    """Write a JSON file so that it is either whole or not there.
+    """Write a JSON file atomically: it is complete, or it does not exist.
 
     Args:
         path: path of the file; its folder is made if it does not exist.
@@ -75,7 +75,7 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 
 def write_file(path: Path, content: bytes) -> None:
-    """Write a file so that it is either whole or not there.
+    """Write a file atomically: it is complete, or it does not exist.
 
     Args:
         path: path of the file; its folder is made if it does not exist.

@@ -15,7 +15,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]*")
 
 
 class Declaration(Protocol):
-    """An entry of a registry: a frozen value that stands beside the code that it declares."""
+    """An entry of a registry: a frozen value in the module of the code that it declares."""
 
     @property
     def name(self) -> str:
@@ -40,8 +40,8 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
     that a new file is enough for a new declaration.
 
     Args:
-        kind: Kind of the declarations, for messages.
-        package: Package whose modules hold the suite's own declarations; imported on first use.
+        kind: kind of the declarations, for messages.
+        package: package whose modules hold the suite's own declarations; imported on first use.
     """
 
     def __init__(self, kind: str, package: str) -> None:

@@ -1,4 +1,4 @@
-"""Learned agents to compare: which files there are, and what their cards say."""
+"""Learned agents to compare: their files, and the contents of their cards."""
 
 import hashlib
 import re
@@ -89,14 +89,14 @@ def learning_history(card: AgentCard) -> dict[str, Any]:
 
 
 def find_agents(environment_ids: Sequence[str], paths: Sequence[Path]) -> list[AgentFile]:
-    """The agents that come with the package for some environments, and those that are given by path.
+    """The agents of the package for some environments, and those that are given by path.
 
     Args:
         environment_ids: ids of the chosen environments.
         paths: paths of agents' files, with or without suffix, or of folders of training seeds `seed_<k>`.
 
     Returns:
-        agents of every training seed; groups of one name on one environment are told apart by a number.
+        agents of every training seed; groups of one name on one environment are distinguished by a number.
 
     Raises:
         InvalidValueError: a path without agents, an agent of another environment, or agents of one group
@@ -144,7 +144,7 @@ def _given(path: Path) -> tuple[str, list[Path]]:
 
 
 def _renamed(agents: list[AgentFile], taken: set[tuple[str, str]]) -> list[AgentFile]:
-    """The same agents under a name that no other group of their environment has."""
+    """The same agents under a group name that is unique in their environment."""
     if not agents:
         return agents
     name, number = agents[0].group, 1
@@ -155,7 +155,7 @@ def _renamed(agents: list[AgentFile], taken: set[tuple[str, str]]) -> list[Agent
 
 
 def _check_groups(agents: Sequence[AgentFile]) -> None:
-    """Refuse agents under one name that differ in more than their training seed, or not even in that."""
+    """Refuse agents of one group that differ in more than their training seed, or that have the same one."""
     firsts: dict[tuple[str, str], AgentFile] = {}
     seen = set()
     for agent in agents:

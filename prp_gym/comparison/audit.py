@@ -19,7 +19,7 @@ LEAST_CORRELATION = 0.8
 """Rank correlation below which a reward is flagged."""
 
 _CONFIDENCE = 0.95
-_RESAMPLES = 500  # a dozen of them beyond either end of the interval
+_RESAMPLES = 500  # about a dozen of them lie beyond each end of the interval
 
 _Indices = NDArray[np.int64]
 
@@ -52,7 +52,7 @@ class Audit:
 
 
 def audit_rewards(conditions: Iterable[Condition], seed: int) -> list[Audit]:
-    """An audit of every condition over all its policies, the bad ones included.
+    """An audit of every condition over all its policies, including those with low scores.
 
     Conditions of a task that declares no physical error are left out.
 

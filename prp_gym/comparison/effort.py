@@ -1,4 +1,4 @@
-"""Learning effort: how long until a policy is as good as the best controller, and with how many violations.
+"""Learning effort: training or tuning until a policy is as good as the best controller, and its violations.
 
 Histories are those of training or tuning, on episodes and in a scenario of their own. The score to be reached
 is that of the best controller in the same scenario.

@@ -58,7 +58,7 @@ class ZeroPolicy:
 
 
 def _facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
-    """What a record of a comparison says of its policy beside the evaluation."""
+    """What a record of a comparison states about its policy, in addition to the evaluation."""
     return {"policy": policy, "kind": kind, "mode": mode, "training_seed": UNTRAINED, "history": {}}
 
 
@@ -81,7 +81,7 @@ class ControllerJob(EvaluationJob):
 
     @property
     def name(self) -> str:
-        """See `Job.name`; another name than in an evaluation, whose records say less."""
+        """See `Job.name`; it differs from that of an evaluation, whose records hold less."""
         return f"{super().name}_{CONTROLLER}"
 
     def run(self, controllers: Controllers) -> Record:
@@ -91,7 +91,7 @@ class ControllerJob(EvaluationJob):
 
 @dataclass(frozen=True)
 class VariedJob(EvaluationJob):
-    """A controller with another gain set than the compared one: one more policy to audit the reward with."""
+    """A controller with a gain set other than the compared one, for the audit of the reward."""
 
     @property
     def name(self) -> str:
@@ -155,7 +155,7 @@ class ZeroTorqueJob:
 
 @dataclass(frozen=True)
 class BudgetJob:
-    """A controller with the settings that tuning at equal budget found, at the same control frequency.
+    """A controller with the settings found by tuning at equal budget, at the same control frequency.
 
     Attributes:
         tuned: the tuned controller, with the settings and the history of its tuning.
@@ -206,14 +206,14 @@ def _tuning_history(tuned: TunedController) -> dict[str, Any]:
 
 
 def find_tuned_controllers(environment_id: str, controllers: Sequence[str]) -> list[TunedController]:
-    """Those of some controllers that come with the package as tuned at equal budget on an environment.
+    """Controllers of the package that were tuned at equal budget on an environment.
 
     Args:
         environment_id: id of the environment.
         controllers: names of the controllers.
 
     Raises:
-        InvalidValueError: a file that is damaged, or of another controller or environment than its name says.
+        InvalidValueError: a file that is damaged, or whose controller or environment differs from its name.
     """
     names = list_tuned_controllers(environment_id)
     found = []
@@ -250,7 +250,7 @@ class AgentJob:
 
     @property
     def name(self) -> str:
-        """See `Job.name`; agents of one group are told apart by the digest."""
+        """See `Job.name`; agents of one group are distinguished by the digest."""
         group = re.sub(r"[^\w-]+", "-", self.agent.group)
         return f"{self.environment_id}_{self.scenario}_{AGENT}_{group}_{self.agent.sha256[:16]}"
 
@@ -261,7 +261,7 @@ class AgentJob:
             InvalidValueError: the agent's files have changed since the job was made.
         """
         agent = self.agent
-        path = Path(agent.path)  # not a name, which may be that of another
+        path = Path(agent.path)  # a path, since a name may be that of another agent
         _check_digest(agent.path, digest(path), agent.sha256)
         policy = load_agent(path)
         facts = {

@@ -67,7 +67,7 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
 
 
 def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[Entry]]:
-    """Trained and tuned policies, once each, by environment and scenario of training."""
+    """Trained and tuned policies, each of them once, by environment and scenario of training."""
     seen: dict[tuple[str, str], Entry] = {}
     for condition in conditions:
         for entry in condition.of_kind(AGENT, BUDGET):

@@ -1,4 +1,4 @@
-"""Which jobs a comparison has."""
+"""The jobs of a comparison."""
 
 from collections.abc import Sequence
 from contextlib import closing

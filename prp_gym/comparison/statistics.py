@@ -120,7 +120,7 @@ class PairwiseComparison:
 def compare_best(conditions: Iterable[Condition], seed: int) -> list[PairwiseComparison]:
     """The best controller of each kind against the best agent, under every condition that has both.
 
-    A controller with its own gains has been tuned for as long as its author chose; one of equal budget with
+    A controller with its own gains was tuned without a limit of simulated time; one of equal budget with
     as much simulated time as the training of an agent takes.
 
     Args:
@@ -147,7 +147,7 @@ def _compare(condition: Condition, controller: Entry, agent: Entry, seed: int) -
         estimate_score(controller, seed),
         estimate_score(agent, seed),
         bootstrap_difference(agent.scores, controller.scores, rng),
-        # its interval is left out: it would know nothing of training seeds
+        # without its interval, which would not include the spread over training seeds
         paired_probability_of_improvement(ours, theirs, rng).value,
     )
 

@@ -20,10 +20,10 @@ _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker)
 
 
 def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
-    """Whether an environment of this suite is stepped as its loop is.
+    """Whether the control loop of an environment can simulate its episodes side by side.
 
-    Nothing but Gymnasium's own checks may be wrapped around it, its class may not step or reset in its own
-    way, and it may not render frames.
+    Its only wrappers may be Gymnasium's own checks, its class may not override `step` or `reset`, and it may
+    not render frames.
     """
     while isinstance(env, gymnasium.Wrapper):
         if type(env) not in _TRANSPARENT:
@@ -36,14 +36,14 @@ def can_batch(env: gymnasium.Env[Any, Any]) -> bool:
 
 
 def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> list[Rollout]:
-    """Run one episode for each seed, all at once, and record them.
+    """Run one episode for each seed, side by side, and record them.
 
     Each episode is the one that the environment itself would run with that seed. The policy computes all
     actions in one call; its compute time is measured on single observations from time to time.
 
     Args:
         policy: policy whose `predict` takes (N, size) observations.
-        env: an environment of this suite; wrappers are passed over.
+        env: an environment of this suite; wrappers are skipped.
         seeds: random seeds of the episodes, at least one.
 
     Returns:
@@ -61,7 +61,7 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
 
 
 def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
-    """Episodes of an environment, all at once."""
+    """Episodes of an environment, side by side."""
     loop, everyone = inner.make_loop(len(seeds)), np.ones(len(seeds), dtype=np.bool_)
     rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
     observation = loop.reset(np.arange(len(seeds)), rngs, {})

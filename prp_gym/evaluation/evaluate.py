@@ -76,8 +76,8 @@ def evaluate(
 ) -> Evaluation:
     """Run and record episodes with the seeds seed, seed + 1, ...
 
-    Every policy meets the same episodes under the same seeds, so that results can be compared episode by
-    episode. A deterministic scenario is run once: more episodes would be copies.
+    Equal seeds give every policy the same episodes, so that results can be compared episode by episode. A
+    deterministic scenario is run once, since further episodes would be identical.
 
     The episodes are simulated side by side if the policy takes several observations at once, as those of this
     suite and of Stable-Baselines3 do, and if no wrapper changes what it observes or does. Any other policy

@@ -31,7 +31,7 @@ def bootstrap_nested(
 ) -> Estimate:
     """Interquartile mean of all scores, its interval over training seeds and episodes of their own.
 
-    A resample draws training seeds, then for each seed drawn, as often as it is, episodes among its own.
+    A resample draws training seeds, then episodes of each drawn seed, once for every time that it was drawn.
     The interval is meant for episodes that differ from one training seed to the next; where all agents were
     evaluated on the same evaluation seeds, `bootstrap_crossed` keeps what those seeds have in common. If
     training seeds differ no more than their episodes explain, the interval is up to √2 times too wide.
@@ -92,7 +92,7 @@ def bootstrap_difference(
     """Interquartile mean of x less that of y, two policies on the same evaluation seeds, with an interval.
 
     A resample draws evaluation seeds once for both policies, and training seeds of x and of y apart from
-    each other: what an evaluation seed does to both alike drops out of the difference.
+    each other: the common effect of an evaluation seed on both cancels in the difference.
 
     Args:
         x: (training seeds of x, evaluation seeds) [1], a column for each evaluation seed.

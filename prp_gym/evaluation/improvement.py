@@ -25,8 +25,8 @@ def probability_of_improvement(
     """P(X > Y) + ½ P(X = Y), averaged over tasks, with an interval of a stratified bootstrap.
 
     On a task it is U / (N M), U being the Mann-Whitney statistic of N runs of x against M of y: any run of
-    the one is compared with any of the other. The bootstrap draws the runs of x and those of y anew,
-    apart from each other, within each task. Runs are taken as independent of one another; where both
+    the one is compared with any of the other. The bootstrap draws the runs of x and those of y
+    independently of each other, within each task. Runs are taken as independent of one another; where both
     policies were evaluated on the same seeds, see `paired_probability_of_improvement`.
 
     Args:
@@ -64,9 +64,9 @@ def paired_probability_of_improvement(
 ) -> Estimate:
     """Share of evaluation seeds on which x is better than y, ties counting ½, averaged over tasks.
 
-    Run n of x is compared with run n of y alone, and the bootstrap draws evaluation seeds anew within each
-    task, the same ones for both policies. What a seed makes easy or hard for both thus drops out; in general
-    the number is another than that of `probability_of_improvement`, which compares across seeds.
+    Run n of x is compared with run n of y alone, and the bootstrap draws evaluation seeds within each task,
+    the same ones for both policies. The common effect of a seed on both thus cancels; in general
+    the number differs from that of `probability_of_improvement`, which compares across seeds.
 
     Args:
         x: one array (N) [1] for each task, one run an evaluation seed.

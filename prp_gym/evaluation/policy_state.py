@@ -16,7 +16,7 @@ def state_to_begin_with(
     episode_start: NDArray[Any] | None,
     lead: tuple[int, ...],
 ) -> tuple[NDArray[Any], ...]:
-    """The state to go on with: the last one, and a new one where an episode starts.
+    """The state at the start of a call: that of the last call, or a new one where an episode starts.
 
     Args:
         fresh: state of new episodes, arrays (*lead, any size).

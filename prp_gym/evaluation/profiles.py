@@ -37,8 +37,8 @@ def performance_profile(
 ) -> Profile:
     """Share of runs with score > τ for each threshold τ, with percentile bands of a stratified bootstrap.
 
-    The share is F(τ) = 1/T Σ_t 1/N_t #{n: score_tn > τ}: each of T tasks weighs the same, whatever its
-    number of runs N_t. The bootstrap draws the runs of each task anew and keeps the tasks. The band is
+    The share is F(τ) = 1/T Σ_t 1/N_t #{n: score_tn > τ}: each of T tasks has the same weight, whatever
+    its number of runs N_t. The bootstrap draws the runs within each task and keeps the tasks. The band is
     pointwise: it has the confidence at each threshold, not at all of them together. Runs are taken as
     independent of one another.
 

@@ -1,4 +1,4 @@
-"""Steps of every bootstrap: check the runs, draw them anew in blocks, cut off the tails."""
+"""Common steps of the bootstraps: checks of the runs, resampling in blocks, percentile intervals."""
 
 from collections.abc import Iterator, Mapping, Sequence
 

@@ -1,4 +1,4 @@
-"""What a results file says of a run and of each evaluation."""
+"""Contents of a results file: the description of a run and of each evaluation."""
 
 import os
 import platform
@@ -12,7 +12,7 @@ SCHEMA = 1
 
 
 def describe_run(command: str) -> dict[str, Any]:
-    """What a result depends on beside its settings: versions, machine, command."""
+    """What a result depends on in addition to its settings: versions, machine, command."""
     return {
         "schema": SCHEMA,
         "command": command,

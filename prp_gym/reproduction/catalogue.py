@@ -1,4 +1,4 @@
-"""The experiments, read from the data files beside this module; every name in them is checked."""
+"""The experiments, read from the data files of this package; every name in them is checked."""
 
 import inspect
 import tomllib

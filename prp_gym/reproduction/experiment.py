@@ -154,7 +154,7 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """A prediction beside a measurement.
+    """A prediction and the measurement with which it is compared.
 
     Attributes:
         name: unique name, by which answers refer to the check.
@@ -246,7 +246,7 @@ class Experiment:
         section: section of the report.
         until: end of the time axis [s].
         panels: panels of the figure, from top to bottom.
-        checks: predictions beside measurements.
+        checks: comparisons of predictions with measurements.
         reading: values read off the report's own figure.
         explanation: why the report's figure differs from this one; empty if it does not.
     """

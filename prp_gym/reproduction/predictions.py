@@ -151,7 +151,7 @@ def second_order_overshoot(proportional_gain: float, derivative_gain: float, joi
         (joints) overshoot [%].
 
     Raises:
-        InvalidValueError: a gain that is not above 0, a response that does not swing.
+        InvalidValueError: a gain that is not above 0, a response that does not oscillate.
 
     Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
     """
@@ -172,7 +172,7 @@ def second_order_peak_time(proportional_gain: float, derivative_gain: float, joi
         (joints) time of the first peak [s].
 
     Raises:
-        InvalidValueError: a gain that is not above 0, a response that does not swing.
+        InvalidValueError: a gain that is not above 0, a response that does not oscillate.
 
     Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
     """

@@ -1,4 +1,4 @@
-"""`record_run`: a run is simulated and recorded, on request with the state of its controller."""
+"""`record_run`: simulates and records a run, on request with the state of its controller."""
 
 from collections.abc import Mapping
 from contextlib import closing
@@ -118,7 +118,7 @@ def record_run(run: ExperimentRun) -> RecordedRun:
 
 
 def _settings(overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """Settings of a controller, with a model of the arm in place of its link masses."""
+    """Settings of a controller, with a model of the arm made from its link masses."""
     settings = dict(overrides)
     if "model_masses" in settings:
         settings["model"] = NOMINAL.with_masses(settings.pop("model_masses"))

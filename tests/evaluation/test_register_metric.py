@@ -65,7 +65,7 @@ def test_metric_without_a_group_is_listed_last() -> None:
 
 
 def test_name_that_another_metric_has_is_refused() -> None:
-    with pytest.raises(InvalidValueError, match="name of a metric is 'energy'"):
+    with pytest.raises(InvalidValueError, match="name of metric is 'energy'"):
         register_metric(replace(SWING, name="energy"))
 
 

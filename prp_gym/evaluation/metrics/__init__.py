@@ -1,10 +1,10 @@
-"""Every metric of an episode, one module a family.
+"""Every metric of an episode, one module for each family.
 
 A metric is a pure function of what was recorded, declared with unit and definition; it exists for an
-episode that has the fields and cost terms which it requires. Its values are finite but for these:
+episode that has the fields and cost terms which it requires. Its values are finite, with these exceptions:
 
 - NaN, where the episode has no such value: settling times and overshoots if the reference moves, overshoots
-  if start and goal are one, steady-state errors if the reference moves in the last tenth, every metric of
+  if start and goal coincide, steady-state errors if the reference moves in the last tenth, every metric of
   the desired force if that is zero (its settling time and overshoot also if it changes), the torque's rate
   of a single step, and after a divergence all but the score and the divergence.
 - Infinite, where a settling time was not reached: outside the band at the end, or never in contact.

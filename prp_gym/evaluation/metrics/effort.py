@@ -44,7 +44,7 @@ def torque_rate(torque: Array, period: float) -> Array:
 
 
 def share_of_joints(counts: Array, joints: int) -> Array:
-    """Mean over time of how many of the joints were counted, in percent of them: (..., T) -> (...) [%]."""
+    """Mean over time of the counted joints, as a percentage of all joints: (..., T) -> (...) [%]."""
     share: Array = 100.0 * np.mean(counts, axis=-1) / joints
     return share
 

@@ -24,7 +24,7 @@ DESIRED_FORCE = MetricGroup("Desired force", 14.0)
 CONTACT = MetricGroup("Contact", 15.0)
 
 CONTACT_THRESHOLD = 1e-6
-"""Force from which the tip touches [N]: a micrometre into a surface of 1 N/m, and above all rounding."""
+"""Contact force above which the tip is in contact [N], that of 1 µm into a surface of 1 N/m."""
 
 
 def in_contact(force: Array) -> NDArray[np.bool_]:
@@ -122,7 +122,7 @@ def peak_force(force: Array) -> Array:
 
 
 def contact_losses(force: Array) -> Array:
-    """How often the tip leaves the surface after it has touched: (..., T, 3) [N] -> (...)."""
+    """Number of times that the tip leaves the surface after a contact: (..., T, 3) [N] -> (...)."""
     touches = in_contact(force)
     losses: Array = (touches[..., :-1] & ~touches[..., 1:]).sum(axis=-1).astype(np.float64)
     return losses
@@ -249,8 +249,8 @@ register_metric(
     Metric(
         "contact_losses",
         ("1",),
-        "how often the tip leaves the surface (force at most 1e-6 N) after it has touched, an intended"
-        " retreat included",
+        "number of times that the tip leaves the surface (force at most 1e-6 N) after a contact, including"
+        " intended retreats",
         ("contact_force",),
         lambda r: contact_losses(r.fields["contact_force"]),
         Presentation(CONTACT, Column("con-\ntact\nlost", ("1",))),
@@ -271,7 +271,8 @@ register_metric(
         "injected_energy",
         ("J",),
         "max(0, -min E) of E(t) = ∫ h_eᵀ(ẋ_d - ẋ) dt: energy that the arm gave away at its tip, relative"
-        " to its moving reference, beyond what it had received there; 0 if it is passive from rest",
+        " to its moving reference, beyond what it had received there; 0 for a passive arm that starts"
+        " at rest",
         ("contact_force", "desired_velocity", "end_effector_velocity"),
         lambda r: _injected_energy(r),
         Presentation(

@@ -20,7 +20,7 @@ from prp_gym.robot.arrays import Array
 JOINT_MOTION = MetricGroup("Joint motion", 6.0)
 
 RESOLUTION = np.array([2e-3, 2e-4, 2e-3])
-"""Smallest step and band that count [rad, m, rad]: below them a joint is taken to stand still."""
+"""Smallest step and band that are evaluated [rad, m, rad]; smaller motions of a joint count as rest."""
 
 
 def settling_time(time: Array, actual: Array, desired: Array) -> Array:

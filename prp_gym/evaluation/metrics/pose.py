@@ -1,8 +1,8 @@
 """Metrics of the tip's motion relative to a desired pose, and to the pose of a reference model.
 
 A pose is (p, α, β, γ) [m, rad] in the world frame. Orientation errors are the norm over α and β: γ is
-the same in every configuration of the arm. Angles are not wrapped: α and β are joint angles but for
-a sign and a constant, and a joint that is a turn away from its goal is not at its goal.
+the same in every configuration of the arm. Angles are not wrapped: α and β are joint angles up to
+a sign and a constant, and a joint that is one revolution away from its goal has not reached it.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ TIP_MOTION = MetricGroup("Tip motion", 9.0)
 REFERENCE_MODEL = MetricGroup("Reference model", 11.0)
 
 POSITION_RESOLUTION = 2e-4
-"""Smallest step and band that count [m]: below it the tip is taken to stand still."""
+"""Smallest step and band that are evaluated [m]; smaller motions of the tip count as rest."""
 
 _POSITION = slice(0, 3)
 _ORIENTATION = slice(3, 5)
