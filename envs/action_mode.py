@@ -28,11 +28,11 @@ class ActionField:
     """One named part of an action, whose components lie in [-1, 1].
 
     Attributes:
-        name: of the part.
-        units: one a component; their number is the field's size.
-        frame: what it is resolved in.
-        bound: what action 1 means, in the units; above 0, or above 1 for a factor.
-        description: what it is.
+        name: name of the field.
+        units: unit of each component; their number is the field's size.
+        frame: frame in which the components are expressed.
+        bound: value (size) that an action of 1 commands, in the units; above 0, or above 1 for a factor.
+        description: meaning of the field, as tables print it.
         factor: whether an action a means bound^a, from 1/bound to bound, and not bound·a.
     """
 
@@ -98,9 +98,9 @@ class ModeSetup:
     """What an action mode is made for.
 
     Attributes:
-        task: a `Task`, whose observations the controller inside will read.
+        task: `Task` whose observations the inner controller reads.
         torque_limit: joint torques at 1 (joints) [N m, N, N m].
-        period: of the controller inside [s].
+        period: control period of the inner controller [s].
     """
 
     task: Any
@@ -152,11 +152,11 @@ class ActionModeSpec:
     """The declaration of an action mode, or of a family of them.
 
     Attributes:
-        name: of the mode, or before the colon in the names of a family's modes.
+        name: name of the mode; for a family, the part of its modes' names before the colon.
         summary: what an action does, in one line for lists.
-        entry: its code.
-        chapter: of the report, for the order of lists.
-        revision: of its behaviour, stored in results and agents' cards.
+        entry: object that makes the mode.
+        chapter: chapter of the report, which orders lists.
+        revision: revision of the mode's behaviour, stored in results and agents' cards.
     """
 
     name: str

@@ -14,7 +14,7 @@ Memory = tuple[Array, ...]
 
 
 class ForceError(NamedTuple):
-    """What is asked of the contact force, along one axis.
+    """The desired and the measured contact force along one axis.
 
     Attributes:
         axis: n (..., 3), a unit vector into the surface, world frame; zero where no force shows one.
@@ -38,7 +38,7 @@ class ForceError(NamedTuple):
 
     @classmethod
     def of(cls, desired: Array, measured: Array) -> "ForceError":
-        """Along the desired force, or along the measured one where none is desired.
+        """The force error along the desired force, or along the measured force where none is desired.
 
         Args:
             desired: f_d (..., 3) by the tip on the surface, world frame [N].
@@ -55,8 +55,8 @@ class RateScaling(NamedTuple):
     """Factors on the rates of a force loop, which an action mode may drive.
 
     Attributes:
-        approach: factor (..., 1) of the speed before a touch.
-        bandwidth: factor (..., 1) of the bandwidth in contact.
+        approach: factor (..., 1) by which the approach speed is scaled before contact.
+        bandwidth: factor (..., 1) by which the bandwidth is scaled in contact.
     """
 
     approach: Array
@@ -73,7 +73,7 @@ class ForceIntegral(ABC):
     Its memory is a tuple of arrays (..., any size); the first is what an actuator at its limit stops.
 
     Attributes:
-        arrays: how many they are.
+        arrays: number of state arrays.
     """
 
     arrays: ClassVar[int]
@@ -107,7 +107,7 @@ class FixedGains(ForceIntegral):
     Attributes:
         force_gain: K_F [m/N].
         integral_gain: K_I [m/(N s)].
-        period: of control [s].
+        period: control period [s].
     """
 
     force_gain: float
@@ -145,9 +145,9 @@ class ScheduledGain(ForceIntegral):
     Attributes:
         bandwidth: ω_c [rad/s].
         approach_speed: v [m/s].
-        contact_threshold: force from which the tip counts as touching, until half of it is left [N]; half
-            the desired force where that is less.
-        estimator: of the stiffness.
+        contact_threshold: force at which contact begins; contact ends at half of it [N]. Half the desired
+            force replaces it where that is less.
+        estimator: estimator of the surface stiffness.
     """
 
     bandwidth: float

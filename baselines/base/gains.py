@@ -22,10 +22,10 @@ class GainSet:
     """Settings of a controller on one environment.
 
     Attributes:
-        label: what the settings come from, for messages.
+        label: origin of the settings, as messages name it.
         values: settings by name.
-        minimum_frequency: of control, below which they are unstable [Hz].
-        file: from which a user gave them; None for others.
+        minimum_frequency: control frequency below which the gains are unstable [Hz].
+        file: path of the user's file of gains; None for a gain set of the suite.
     """
 
     label: str

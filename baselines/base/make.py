@@ -59,8 +59,8 @@ def make_controller(
     spec = find_controller(controller)
     chosen = read_gains(spec, gains, interface.environment_id)
     _require_frequency(spec, chosen, 1.0 / interface.period, other_sets(spec, gains), overrides)
-    asked = _target_impedance(spec, interface) if takes_target_impedance(spec, gains) else {}
-    settings = _make_settings(spec, chosen, {**chosen.values, **asked}, overrides)
+    requested = _target_impedance(spec, interface) if takes_target_impedance(spec, gains) else {}
+    settings = _make_settings(spec, chosen, {**chosen.values, **requested}, overrides)
     try:
         return spec.policy(interface, settings)
     except MissingFieldError as error:  # by the name that its user knows
@@ -83,9 +83,9 @@ def _require_frequency(
 
 
 def _target_impedance(spec: ControllerSpec, interface: ControlInterface) -> dict[str, Any]:
-    """What the task asks for, by the settings that render it."""
-    asked = interface.target_impedance
-    return {name: asked[name] for name in spec.policy.rendered if name in asked}
+    """The target impedance of the task, by the names of the settings that render it."""
+    target = interface.target_impedance
+    return {name: target[name] for name in spec.policy.rendered if name in target}
 
 
 def _make_settings(

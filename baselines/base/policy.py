@@ -34,13 +34,13 @@ class ControlInterface:
     """All that a controller may know of an environment, beside what it observes.
 
     Attributes:
-        environment_id: its id.
-        layout: of the observation.
+        environment_id: id of the environment.
+        layout: layout of the observation.
         torque_limit: joint torques at action 1 (joints) [N m, N, N m].
-        period: of control [s].
-        model: the nominal robot, whatever the plant really is.
-        target_impedance: target impedance that the task asks for, by the names of settings: axes (6) of
-            `inertia`, `damping` and `stiffness`; empty where it asks for nothing of the kind.
+        period: control period [s].
+        model: nominal robot, which may differ from the plant.
+        target_impedance: target impedance of the task, by the names of settings: axes (6) of `inertia`,
+            `damping` and `stiffness`; empty for a task that specifies none.
     """
 
     environment_id: str
@@ -76,7 +76,7 @@ class ControlInterface:
         Args:
             task: a `Task`.
             torque_limit: joint torques at action 1 (joints) [N m, N, N m].
-            period: of control [s].
+            period: control period [s].
         """
         return cls(task.environment_id, task.layout, torque_limit, period, task.model, task.target_impedance)
 
@@ -115,14 +115,14 @@ class Baseline(ABC, Generic[SettingsT]):
         settings: of the controller.
 
     Attributes:
-        measured_fields: of the observation that the controller reads beside the reference.
-        settings_class: of its settings.
+        measured_fields: names of the observation fields that the controller reads besides the reference.
+        settings_class: class of the controller's settings.
         rendered: settings that take the task's target impedance, with gain sets declared to do so.
-        integrators: which arrays of the state stand still while an actuator is at its limit.
+        integrators: indices of the state arrays that are held while an actuator is at its limit.
         batched: `predict` also takes several observations at once.
-        settings: of the controller, every vector at its full length.
-        model: the robot with which the controller computes.
-        references: what is desired, in joint or operational space.
+        settings: settings of the controller, every vector at its full length.
+        model: robot model that the controller uses.
+        references: desired motion, in joint or operational space.
 
     Raises:
         MissingFieldError: the environment does not observe what the controller reads.

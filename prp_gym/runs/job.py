@@ -51,8 +51,8 @@ class JobResult:
     """What a worker hands over.
 
     Attributes:
-        record: of the job.
-        code: that made the record, as `running_code` says it in the worker's process.
+        record: record that the job produced.
+        code: digest of the code that made the record, as `running_code` returns it in the worker's process.
         node: name of the machine.
     """
 

@@ -21,9 +21,9 @@ class Predictor:
     without an argument; parameters with a default are its settings.
 
     Attributes:
-        name: under which it is listed.
-        kind: the class.
-        revision: of its behaviour.
+        name: listed name of the predictor.
+        kind: CHECK.
+        revision: revision of the predictor's behaviour.
     """
 
     name: str

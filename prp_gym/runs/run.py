@@ -28,9 +28,9 @@ class Run:
     """How the jobs of a command are run, and where its results go.
 
     Attributes:
-        folder: of the results.
-        workers: that run the jobs.
-        controllers: where controllers come from.
+        folder: folder of the results.
+        workers: processes that run the jobs.
+        controllers: source of the controllers.
         fresh: whether the jobs that an interrupted run has finished are run again.
     """
 

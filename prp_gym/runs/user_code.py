@@ -27,8 +27,8 @@ class UserCode:
     """Where a user's controller is.
 
     Attributes:
-        label: of the controller, `file.py:Name` without folders or `package.module:Name`.
-        sha256: of the file, or of the code and data files of the module's top-level package.
+        label: label of the controller, `file.py:Name` without folders or `package.module:Name`.
+        sha256: SHA-256 of the file, or of the code and data files of the module's top-level package.
         source: path of the file, or name of the module.
         attribute: name of the controller in it.
     """

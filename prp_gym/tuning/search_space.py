@@ -49,11 +49,11 @@ class Parameter:
     """A factor on some of a controller's settings; 1 leaves them as they are.
 
     Attributes:
-        name: of the parameter.
-        low: least factor, above 0 [1].
+        name: name of the parameter.
+        low: smallest factor, above 0 [1].
         high: largest factor [1].
-        powers: of the factor, by the settings that they multiply.
-        components: of these settings, where they are vectors.
+        powers: exponents of the factor, by the names of the settings that the powers multiply.
+        components: indices of the components that are multiplied in settings that are vectors.
     """
 
     name: str

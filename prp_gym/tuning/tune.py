@@ -39,7 +39,7 @@ class Tuned:
 
     Attributes:
         trials: all candidates in their order; the first has the gains from which the search started.
-        settings: of the best of them, by name.
+        settings: settings of the best candidate, by name.
     """
 
     trials: Sequence[Trial]
