@@ -119,7 +119,7 @@ class ModeEntry(Protocol):
         """What follows the declared name in the names of the modes that an environment can have.
 
         Args:
-            layout: of its observations; None for the modes of all environments.
+            layout: layout of the environment's observations; None for the modes of all environments.
 
         Returns:
             an empty text for a single mode, `:<controller>` for each mode of a family; nothing where the
@@ -138,7 +138,7 @@ class ModeEntry(Protocol):
         """The mode.
 
         Args:
-            ending: of its name.
+            ending: ending of the mode's name.
             setup: what it is made for.
 
         Raises:
@@ -184,7 +184,7 @@ def register_action_mode(spec: ActionModeSpec) -> ActionModeSpec:
     """Declare an action mode, so that every environment that observes enough has it.
 
     Args:
-        spec: of this or of another package.
+        spec: declaration from this or another package.
 
     Returns:
         the same declaration.
@@ -220,7 +220,7 @@ def make_action_mode(name: str, setup: ModeSetup) -> ActionMode:
     """An action mode beside `torque`, for a task.
 
     Args:
-        name: see `list_action_modes`.
+        name: name of the mode, as `list_action_modes` gives it.
         setup: what it is made for.
 
     Raises:

@@ -18,8 +18,8 @@ class ForceError(NamedTuple):
 
     Attributes:
         axis: n (..., 3), a unit vector into the surface, world frame; zero where no force shows one.
-        desired: n·f_d (..., 1), at least 0 [N].
-        measured: n·f_e (..., 1) by the tip on the surface [N].
+        desired: desired force n·f_d (..., 1), at least 0 [N].
+        measured: measured force n·f_e (..., 1) by the tip on the surface [N].
     """
 
     axis: Array
@@ -64,7 +64,7 @@ class RateScaling(NamedTuple):
 
 
 STEADY = RateScaling(np.ones(1), np.ones(1))
-"""Rates as the settings give them."""
+"""Factors of 1, which leave the rates as the settings give them."""
 
 
 class ForceIntegral(ABC):
@@ -89,11 +89,11 @@ class ForceIntegral(ABC):
         """One control period.
 
         Args:
-            memory: of `begin` or of the last call.
-            error: of the force.
-            tip: (..., 3) where the tip is, world frame [m].
-            lag: (..., 3) by which the tip's motion keeps it behind its target [m].
-            rate_scaling: how fast it should be beside what its gains say.
+            memory: state arrays from `begin` or from the last call.
+            error: force error.
+            tip: (..., 3) tip position in the world frame [m].
+            lag: (..., 3) distance by which the moving tip stays behind its target [m].
+            rate_scaling: factors on the rates that the gains give.
 
         Returns:
             x_F (..., 3) [m] for this period, and the memory a period later.
@@ -105,8 +105,8 @@ class FixedGains(ForceIntegral):
     """x_F = n (K_F e + K_I ∫e dt).
 
     Attributes:
-        force_gain: K_F [m/N].
-        integral_gain: K_I [m/(N s)].
+        force_gain: proportional force gain K_F [m/N].
+        integral_gain: integral force gain K_I [m/(N s)].
         period: control period [s].
     """
 
@@ -143,8 +143,8 @@ class ScheduledGain(ForceIntegral):
     taken for a spring: its damping D must stay well below K/ω_c.
 
     Attributes:
-        bandwidth: ω_c [rad/s].
-        approach_speed: v [m/s].
+        bandwidth: bandwidth ω_c of the force loop in contact [rad/s].
+        approach_speed: largest speed v of the position target [m/s].
         contact_threshold: force at which contact begins; contact ends at half of it [N]. Half the desired
             force replaces it where that is less.
         estimator: estimator of the surface stiffness.

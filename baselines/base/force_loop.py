@@ -93,7 +93,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
     Args:
         interface: what the controller may know of the environment.
-        settings: of the controller.
+        settings: settings of the controller.
     """
 
     measured_fields = (*MEASURED_MOTION, "contact_force")
@@ -113,8 +113,8 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
         Args:
             observed: fields by name, each (..., size).
-            state: of the controller; first the force loop's arrays, then what the subclass adds.
-            error: of the force.
+            state: state of the controller; the force loop's arrays come first, then those of the subclass.
+            error: force error.
         """
 
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:

@@ -130,9 +130,9 @@ def controller(
     and on several with leading dimensions.
 
     Args:
-        function: that computes the torques.
-        name: of the controller; the function's without it.
-        summary: one line for lists; the first line of the function's docstring without it.
+        function: function that computes the torques.
+        name: name of the controller; the function's name by default.
+        summary: one line for lists; the first line of the function's docstring by default.
 
     Returns:
         a declaration for `make_baseline` and `register_controller`, which can also be called as the function.

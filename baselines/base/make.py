@@ -28,14 +28,14 @@ def make_baseline(
     """A controller as a policy for an environment.
 
     Args:
-        name: of the controller, see `list_baselines`; or its declaration.
+        name: name of the controller, as `list_baselines` gives it, or its declaration.
         env: an environment of this suite, wrapped or not, or a vector environment, Gymnasium's or
             Stable-Baselines3's; only its layout, limits and control frequency are read.
         gains: name of a gain set: `tuned`, `report`, or another that the controller has; a mapping of
             settings; or a path of a TOML file of settings, a `Path` or a text that ends in `.toml`. Beside
             settings, a mapping or file may hold a `source`, a `minimum_frequency` [Hz], and a table by
             environment id of what differs there.
-        overrides: the controller's settings by name, in place of the set's; who gives all of a controller's
+        overrides: the controller's settings by name, in place of the set's. A call that overrides all
             gains is free to choose the control frequency.
 
     Returns:

@@ -74,7 +74,7 @@ class ControlInterface:
         """The interface of a task's environments.
 
         Args:
-            task: a `Task`.
+            task: `Task` of the environments.
             torque_limit: joint torques at action 1 (joints) [N m, N, N m].
             period: control period [s].
         """
@@ -112,7 +112,7 @@ class Baseline(ABC, Generic[SettingsT]):
 
     Args:
         interface: what the controller may know of the environment.
-        settings: of the controller.
+        settings: settings of the controller.
 
     Attributes:
         measured_fields: names of the observation fields that the controller reads besides the reference.
@@ -172,7 +172,7 @@ class Baseline(ABC, Generic[SettingsT]):
 
         Args:
             observed: fields by name, each (..., size), in the units of their declaration.
-            state: of `initial_state` or of the last call.
+            state: state from `initial_state` or from the last call.
 
         Returns:
             (..., joints) joint torques, unlimited [N m, N, N m], and the state a period later if they
@@ -192,7 +192,7 @@ class Baseline(ABC, Generic[SettingsT]):
             observation: (size) or (N, size).
             state: what the last call returned; None at first.
             episode_start: (N) whether an episode starts with this observation; there the state starts anew.
-            deterministic: of no effect: the controllers are deterministic.
+            deterministic: has no effect, since the controllers are deterministic.
 
         Returns:
             action (joints) or (N, joints), within [-1, 1], and the state for the next call, None for a

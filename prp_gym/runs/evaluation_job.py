@@ -65,8 +65,8 @@ def list_jobs(
     Args:
         conditions: environment ids and scenarios.
         choices: controllers with their gains.
-        controllers: where these come from.
-        control_frequency: of the environments [Hz].
+        controllers: source of the controllers.
+        control_frequency: control frequency of the environments [Hz].
         episodes: number of episodes of each job; a deterministic scenario has one.
         seed: seed of the first episode.
 

@@ -91,7 +91,7 @@ def report_failed_making(defined: Any, environment_id: str) -> Iterator[None]:
 
     Args:
         defined: class whose module is the code.
-        environment_id: for which the policy is made.
+        environment_id: id of the environment for which the policy is made.
 
     Raises:
         UserCodeError: in place of an error that was raised in code that is not this package's.
@@ -111,7 +111,7 @@ def report_failed_acting(defined: Any, environment_id: str) -> Iterator[None]:
 
     Args:
         defined: class whose module is the code.
-        environment_id: on which the policy acts.
+        environment_id: id of the environment on which the policy acts.
 
     Raises:
         UserCodeError: in place of any error, if the code is not this package's.

@@ -34,7 +34,7 @@ class Episodes:
 
     Args:
         env: an environment of this suite; wrappers are passed over.
-        seeds: of the episodes, at least one.
+        seeds: seeds of the episodes, at least one.
 
     Raises:
         InvalidValueError: an environment of another suite.

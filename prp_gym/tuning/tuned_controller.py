@@ -105,7 +105,7 @@ def list_tuned_controllers(environment_id: str | None = None) -> list[str]:
     """Names of the tuned controllers that come with this package, `<environment id>/<controller>`.
 
     Args:
-        environment_id: of the environment; all without it.
+        environment_id: id of the environment; None for all.
 
     Raises:
         UnknownNameError: an environment that does not exist.
@@ -137,7 +137,7 @@ def read_tuned_controller(content: Any, where: str) -> TunedController:
     """A tuned controller from the content of its file.
 
     Args:
-        content: parsed JSON.
+        content: content of the file as parsed JSON.
         where: origin of the content, for errors.
 
     Raises:
