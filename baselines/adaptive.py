@@ -20,10 +20,10 @@ class AdaptiveSettings(Settings):
         reference_gain: Λ (joints), diagonal [1/s].
         damping_gain: K_D (joints), diagonal [N m s/rad, N s/m, N m s/rad].
         adaptation_gain: Γ (parameters), diagonal [a parameter's unit squared per J].
-        lower_share: of the model's parameter, below which no estimate falls [1].
-        upper_share: of the model's parameter, above which no estimate rises [1].
-        margin: what an estimate may rise beyond `upper_share` (parameters), so that friction can be found by
-            a model that has none [the parameters' units].
+        lower_share: lower bound of an estimate, as a share of the model's parameter [1].
+        upper_share: upper bound of an estimate, as a share of the model's parameter [1].
+        margin: amount by which an estimate may exceed the bound of `upper_share` (parameters), so that a
+            model without friction can still identify it [the parameters' units].
     """
 
     reference_gain: Any

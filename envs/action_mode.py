@@ -28,11 +28,11 @@ class ActionField:
     """One named part of an action, whose components lie in [-1, 1].
 
     Attributes:
-        name: of the part.
-        units: one a component; their number is the field's size.
-        frame: what it is resolved in.
-        bound: what action 1 means, in the units; above 0, or above 1 for a factor.
-        description: what it is.
+        name: name of the field.
+        units: unit of each component; their number is the field's size.
+        frame: frame in which the components are expressed.
+        bound: value (size) that an action of 1 commands, in the units; above 0, or above 1 for a factor.
+        description: meaning of the field, as tables print it.
         factor: whether an action a means bound^a, from 1/bound to bound, and not bound·a.
     """
 
@@ -98,9 +98,9 @@ class ModeSetup:
     """What an action mode is made for.
 
     Attributes:
-        task: a `Task`, whose observations the controller inside will read.
+        task: `Task` whose observations the inner controller reads.
         torque_limit: joint torques at 1 (joints) [N m, N, N m].
-        period: of the controller inside [s].
+        period: control period of the inner controller [s].
     """
 
     task: Any
@@ -119,7 +119,7 @@ class ModeEntry(Protocol):
         """What follows the declared name in the names of the modes that an environment can have.
 
         Args:
-            layout: of its observations; None for the modes of all environments.
+            layout: layout of the environment's observations; None for the modes of all environments.
 
         Returns:
             an empty text for a single mode, `:<controller>` for each mode of a family; nothing where the
@@ -138,7 +138,7 @@ class ModeEntry(Protocol):
         """The mode.
 
         Args:
-            ending: of its name.
+            ending: ending of the mode's name.
             setup: what it is made for.
 
         Raises:
@@ -152,11 +152,11 @@ class ActionModeSpec:
     """The declaration of an action mode, or of a family of them.
 
     Attributes:
-        name: of the mode, or before the colon in the names of a family's modes.
+        name: name of the mode; for a family, the part of its modes' names before the colon.
         summary: what an action does, in one line for lists.
-        entry: its code.
-        chapter: of the report, for the order of lists.
-        revision: of its behaviour, stored in results and agents' cards.
+        entry: object that makes the mode.
+        chapter: chapter of the report, which orders lists.
+        revision: revision of the mode's behaviour, stored in results and agents' cards.
     """
 
     name: str
@@ -184,7 +184,7 @@ def register_action_mode(spec: ActionModeSpec) -> ActionModeSpec:
     """Declare an action mode, so that every environment that observes enough has it.
 
     Args:
-        spec: of this or of another package.
+        spec: declaration from this or another package.
 
     Returns:
         the same declaration.
@@ -220,7 +220,7 @@ def make_action_mode(name: str, setup: ModeSetup) -> ActionMode:
     """An action mode beside `torque`, for a task.
 
     Args:
-        name: see `list_action_modes`.
+        name: name of the mode, as `list_action_modes` gives it.
         setup: what it is made for.
 
     Raises:

@@ -14,12 +14,12 @@ Memory = tuple[Array, ...]
 
 
 class ForceError(NamedTuple):
-    """What is asked of the contact force, along one axis.
+    """The desired and the measured contact force along one axis.
 
     Attributes:
         axis: n (..., 3), a unit vector into the surface, world frame; zero where no force shows one.
-        desired: n·f_d (..., 1), at least 0 [N].
-        measured: n·f_e (..., 1) by the tip on the surface [N].
+        desired: desired force n·f_d (..., 1), at least 0 [N].
+        measured: measured force n·f_e (..., 1) by the tip on the surface [N].
     """
 
     axis: Array
@@ -38,7 +38,7 @@ class ForceError(NamedTuple):
 
     @classmethod
     def of(cls, desired: Array, measured: Array) -> "ForceError":
-        """Along the desired force, or along the measured one where none is desired.
+        """The force error along the desired force, or along the measured force where none is desired.
 
         Args:
             desired: f_d (..., 3) by the tip on the surface, world frame [N].
@@ -55,8 +55,8 @@ class RateScaling(NamedTuple):
     """Factors on the rates of a force loop, which an action mode may drive.
 
     Attributes:
-        approach: factor (..., 1) of the speed before a touch.
-        bandwidth: factor (..., 1) of the bandwidth in contact.
+        approach: factor (..., 1) by which the approach speed is scaled before contact.
+        bandwidth: factor (..., 1) by which the bandwidth is scaled in contact.
     """
 
     approach: Array
@@ -64,7 +64,7 @@ class RateScaling(NamedTuple):
 
 
 STEADY = RateScaling(np.ones(1), np.ones(1))
-"""Rates as the settings give them."""
+"""Factors of 1, which leave the rates as the settings give them."""
 
 
 class ForceIntegral(ABC):
@@ -73,7 +73,7 @@ class ForceIntegral(ABC):
     Its memory is a tuple of arrays (..., any size); the first is what an actuator at its limit stops.
 
     Attributes:
-        arrays: how many they are.
+        arrays: number of state arrays.
     """
 
     arrays: ClassVar[int]
@@ -89,11 +89,11 @@ class ForceIntegral(ABC):
         """One control period.
 
         Args:
-            memory: of `begin` or of the last call.
-            error: of the force.
-            tip: (..., 3) where the tip is, world frame [m].
-            lag: (..., 3) by which the tip's motion keeps it behind its target [m].
-            rate_scaling: how fast it should be beside what its gains say.
+            memory: state arrays from `begin` or from the last call.
+            error: force error.
+            tip: (..., 3) tip position in the world frame [m].
+            lag: (..., 3) distance by which the moving tip stays behind its target [m].
+            rate_scaling: factors on the rates that the gains give.
 
         Returns:
             x_F (..., 3) [m] for this period, and the memory a period later.
@@ -105,9 +105,9 @@ class FixedGains(ForceIntegral):
     """x_F = n (K_F e + K_I ∫e dt).
 
     Attributes:
-        force_gain: K_F [m/N].
-        integral_gain: K_I [m/(N s)].
-        period: of control [s].
+        force_gain: proportional force gain K_F [m/N].
+        integral_gain: integral force gain K_I [m/(N s)].
+        period: control period [s].
     """
 
     force_gain: float
@@ -143,11 +143,11 @@ class ScheduledGain(ForceIntegral):
     taken for a spring: its damping D must stay well below K/ω_c.
 
     Attributes:
-        bandwidth: ω_c [rad/s].
-        approach_speed: v [m/s].
-        contact_threshold: force from which the tip counts as touching, until half of it is left [N]; half
-            the desired force where that is less.
-        estimator: of the stiffness.
+        bandwidth: bandwidth ω_c of the force loop in contact [rad/s].
+        approach_speed: largest speed v of the position target [m/s].
+        contact_threshold: force at which contact begins; contact ends at half of it [N]. Half the desired
+            force replaces it where that is less.
+        estimator: estimator of the surface stiffness.
     """
 
     bandwidth: float

@@ -35,12 +35,13 @@ class ForceLoopSettings(Settings):
         proportional_gain: K_P (pose), diagonal [N/m, N/m, N/m, N m/rad, N m/rad, N m/rad].
         force_gain: K_F of the fixed form [m/N].
         integral_gain: K_I of the fixed form [m/(N s)].
-        stiffness: `fixed` uses these gains, `estimated` gains after an online estimate of the surface.
+        stiffness: `fixed` uses constant gains, `estimated` computes the gain from an online estimate of the
+            surface stiffness.
         bandwidth: ω_c of the estimated form [rad/s].
-        approach_speed: v of the estimated form: how fast its target moves, at most [m/s].
-        contact_threshold: force from which the estimated form takes the tip for touching [N].
-        initial_stiffness: from which the estimate starts in every contact, above 0 [N/m].
-        forgetting_time: time constant of the estimate's memory, above 0 [s].
+        approach_speed: v of the estimated form, the largest speed of its position target [m/s].
+        contact_threshold: force from which the estimated form assumes contact [N].
+        initial_stiffness: stiffness estimate at the start of every contact, above 0 [N/m].
+        forgetting_time: time constant with which the estimate forgets old measurements, above 0 [s].
     """
 
     inertia: Any
@@ -92,7 +93,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
     Args:
         interface: what the controller may know of the environment.
-        settings: of the controller.
+        settings: settings of the controller.
     """
 
     measured_fields = (*MEASURED_MOTION, "contact_force")
@@ -112,8 +113,8 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
         Args:
             observed: fields by name, each (..., size).
-            state: of the controller; first the force loop's arrays, then what the subclass adds.
-            error: of the force.
+            state: state of the controller; the force loop's arrays come first, then those of the subclass.
+            error: force error.
         """
 
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:

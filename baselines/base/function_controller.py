@@ -91,7 +91,7 @@ class FunctionControllerSpec(ControllerSpec):
     """The declaration of a controller that is a function; calling it calls the function.
 
     Attributes:
-        function: of observation fields; see `controller`.
+        function: user's function of observation fields, as `controller` describes it.
     """
 
     function: Function = dataclass_field(kw_only=True)
@@ -130,9 +130,9 @@ def controller(
     and on several with leading dimensions.
 
     Args:
-        function: that computes the torques.
-        name: of the controller; the function's without it.
-        summary: one line for lists; the first line of the function's docstring without it.
+        function: function that computes the torques.
+        name: name of the controller; the function's name by default.
+        summary: one line for lists; the first line of the function's docstring by default.
 
     Returns:
         a declaration for `make_baseline` and `register_controller`, which can also be called as the function.
@@ -161,7 +161,7 @@ def _declare(function: Function, name: str | None, summary: str | None) -> Funct
 def _policy_class(function: Function) -> type[FunctionPolicy]:
     """The class of a function's policies; it is found, and pickled, as an attribute of the declaration."""
     arguments, defaults = _parameters(function)
-    place = {"__module__": function.__module__, "__doc__": function.__doc__}
+    origin = {"__module__": function.__module__, "__doc__": function.__doc__}
     qualified = f"{function.__qualname__}.policy"
     settings = make_dataclass(
         "FunctionSettings",
@@ -171,14 +171,14 @@ def _policy_class(function: Function) -> type[FunctionPolicy]:
         eq=False,
         kw_only=True,
         namespace={
-            **place,
+            **origin,
             "__qualname__": f"{qualified}.settings_class",
             "vectors": {name: Vector("setting", "") for name in defaults},
             "lengths": {n: len(value) if isinstance(value, tuple) else None for n, value in defaults.items()},
         },
     )
     attributes = {
-        **place,
+        **origin,
         "__qualname__": qualified,
         "function": staticmethod(function),
         "arguments": arguments,

@@ -22,10 +22,10 @@ class GainSet:
     """Settings of a controller on one environment.
 
     Attributes:
-        label: what the settings come from, for messages.
+        label: origin of the settings, as messages name it.
         values: settings by name.
-        minimum_frequency: of control, below which they are unstable [Hz].
-        file: from which a user gave them; None for others.
+        minimum_frequency: control frequency below which the gains are unstable [Hz].
+        file: path of the user's file of gains; None for a gain set of the suite.
     """
 
     label: str
@@ -47,9 +47,9 @@ def load_gains(controller: str | ControllerSpec, name: str, environment_id: str)
     """A gain set of a controller on an environment.
 
     Args:
-        controller: its name or declaration.
-        name: of the set.
-        environment_id: whose own values, where it has some, replace the set's.
+        controller: name or declaration of the controller.
+        name: name of the gain set.
+        environment_id: id of the environment, whose own values replace those of the set.
 
     Returns:
         settings by name, with the set's `source`.
@@ -67,11 +67,11 @@ def read_gains(controller: ControllerSpec, gains: Gains, environment_id: str) ->
     """The settings that gains of any kind give on an environment.
 
     Args:
-        controller: its declaration.
+        controller: declaration of the controller.
         gains: name of a gain set; a mapping of settings; or a path of a TOML file of settings, a `Path` or a
             text that ends in `.toml`. Beside settings, a mapping or file may hold a `source`, a
-            `minimum_frequency` [Hz], and by environment id what differs there.
-        environment_id: of the environment.
+            `minimum_frequency` [Hz], and tables by environment id with the settings that differ there.
+        environment_id: id of the environment.
 
     Raises:
         UnknownNameError: no such set; a mapping with a setting or an environment that does not exist.

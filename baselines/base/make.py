@@ -28,14 +28,14 @@ def make_baseline(
     """A controller as a policy for an environment.
 
     Args:
-        name: of the controller, see `list_baselines`; or its declaration.
+        name: name of the controller, as `list_baselines` gives it, or its declaration.
         env: an environment of this suite, wrapped or not, or a vector environment, Gymnasium's or
             Stable-Baselines3's; only its layout, limits and control frequency are read.
         gains: name of a gain set: `tuned`, `report`, or another that the controller has; a mapping of
             settings; or a path of a TOML file of settings, a `Path` or a text that ends in `.toml`. Beside
             settings, a mapping or file may hold a `source`, a `minimum_frequency` [Hz], and a table by
             environment id of what differs there.
-        overrides: the controller's settings by name, in place of the set's; who gives all of a controller's
+        overrides: the controller's settings by name, in place of the set's. A call that overrides all
             gains is free to choose the control frequency.
 
     Returns:
@@ -59,8 +59,8 @@ def make_controller(
     spec = find_controller(controller)
     chosen = read_gains(spec, gains, interface.environment_id)
     _require_frequency(spec, chosen, 1.0 / interface.period, other_sets(spec, gains), overrides)
-    asked = _target_impedance(spec, interface) if takes_target_impedance(spec, gains) else {}
-    settings = _make_settings(spec, chosen, {**chosen.values, **asked}, overrides)
+    requested = _target_impedance(spec, interface) if takes_target_impedance(spec, gains) else {}
+    settings = _make_settings(spec, chosen, {**chosen.values, **requested}, overrides)
     try:
         return spec.policy(interface, settings)
     except MissingFieldError as error:  # by the name that its user knows
@@ -83,9 +83,9 @@ def _require_frequency(
 
 
 def _target_impedance(spec: ControllerSpec, interface: ControlInterface) -> dict[str, Any]:
-    """What the task asks for, by the settings that render it."""
-    asked = interface.target_impedance
-    return {name: asked[name] for name in spec.policy.rendered if name in asked}
+    """The target impedance of the task, by the names of the settings that render it."""
+    target = interface.target_impedance
+    return {name: target[name] for name in spec.policy.rendered if name in target}
 
 
 def _make_settings(

@@ -45,7 +45,7 @@ class OperationalBaseline(Baseline[SettingsT]):
 
     Args:
         interface: what the controller may know of the environment.
-        settings: of the controller.
+        settings: settings of the controller.
 
     Attributes:
         arm: the model with which the controller computes.
@@ -82,7 +82,7 @@ class OperationalBaseline(Baseline[SettingsT]):
         is singular, are passed without effect.
 
         Args:
-            state: of the arm.
+            state: measured motion of the arm.
             acceleration: a (..., 6) per second squared.
             damping: λ of the pseudoinverse, in the units of J_A's singular values.
 
@@ -102,7 +102,7 @@ class OperationalBaseline(Baseline[SettingsT]):
         the inertia that couples the joints would drive the others astray.
 
         Args:
-            state: of the arm.
+            state: measured motion of the arm.
             acceleration: a (..., 6) per second squared.
             damping: λ of the pseudoinverse, in the units of J_A's singular values.
 

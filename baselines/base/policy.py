@@ -34,13 +34,13 @@ class ControlInterface:
     """All that a controller may know of an environment, beside what it observes.
 
     Attributes:
-        environment_id: its id.
-        layout: of the observation.
+        environment_id: id of the environment.
+        layout: layout of the observation.
         torque_limit: joint torques at action 1 (joints) [N m, N, N m].
-        period: of control [s].
-        model: the nominal robot, whatever the plant really is.
-        target_impedance: target impedance that the task asks for, by the names of settings: axes (6) of
-            `inertia`, `damping` and `stiffness`; empty where it asks for nothing of the kind.
+        period: control period [s].
+        model: nominal robot, which may differ from the plant.
+        target_impedance: target impedance of the task, by the names of settings: axes (6) of `inertia`,
+            `damping` and `stiffness`; empty for a task that specifies none.
     """
 
     environment_id: str
@@ -74,9 +74,9 @@ class ControlInterface:
         """The interface of a task's environments.
 
         Args:
-            task: a `Task`.
+            task: `Task` of the environments.
             torque_limit: joint torques at action 1 (joints) [N m, N, N m].
-            period: of control [s].
+            period: control period [s].
         """
         return cls(task.environment_id, task.layout, torque_limit, period, task.model, task.target_impedance)
 
@@ -112,17 +112,17 @@ class Baseline(ABC, Generic[SettingsT]):
 
     Args:
         interface: what the controller may know of the environment.
-        settings: of the controller.
+        settings: settings of the controller.
 
     Attributes:
-        measured_fields: of the observation that the controller reads beside the reference.
-        settings_class: of its settings.
+        measured_fields: names of the observation fields that the controller reads besides the reference.
+        settings_class: class of the controller's settings.
         rendered: settings that take the task's target impedance, with gain sets declared to do so.
-        integrators: which arrays of the state stand still while an actuator is at its limit.
+        integrators: indices of the state arrays that are held while an actuator is at its limit.
         batched: `predict` also takes several observations at once.
-        settings: of the controller, every vector at its full length.
-        model: the robot with which the controller computes.
-        references: what is desired, in joint or operational space.
+        settings: settings of the controller, every vector at its full length.
+        model: robot model that the controller uses.
+        references: desired motion, in joint or operational space.
 
     Raises:
         MissingFieldError: the environment does not observe what the controller reads.
@@ -172,7 +172,7 @@ class Baseline(ABC, Generic[SettingsT]):
 
         Args:
             observed: fields by name, each (..., size), in the units of their declaration.
-            state: of `initial_state` or of the last call.
+            state: state from `initial_state` or from the last call.
 
         Returns:
             (..., joints) joint torques, unlimited [N m, N, N m], and the state a period later if they
@@ -192,7 +192,7 @@ class Baseline(ABC, Generic[SettingsT]):
             observation: (size) or (N, size).
             state: what the last call returned; None at first.
             episode_start: (N) whether an episode starts with this observation; there the state starts anew.
-            deterministic: of no effect: the controllers are deterministic.
+            deterministic: has no effect, since the controllers are deterministic.
 
         Returns:
             action (joints) or (N, joints), within [-1, 1], and the state for the next call, None for a

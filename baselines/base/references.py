@@ -74,7 +74,7 @@ class PoseReferences(References):
     """A reference given in operational space; see `PRPArm.joint_motion` for its motion of the joints.
 
     Args:
-        arm: whose kinematics are inverted.
+        arm: model whose kinematics are inverted.
     """
 
     def __init__(self, arm: PRPArm) -> None:

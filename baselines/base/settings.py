@@ -17,7 +17,7 @@ class Vector:
 
     Attributes:
         of: `joint`, `pose` (six components) or `parameter` of the model.
-        unit: of the components.
+        unit: unit of the components.
         above_zero: whether 0 is refused too.
     """
 
@@ -33,10 +33,10 @@ class Settings:
     Two settings are equal only if they are the same object.
 
     Attributes:
-        model: of the robot; it may differ from the plant. None is the nominal model of the environment.
+        model: robot model, which may differ from the plant; None for the environment's nominal model.
         vectors: the settings that are vectors of finite numbers, none negative.
         numbers: the settings that are single finite numbers, none negative, with their unit.
-        choices: the settings that are one of several words.
+        choices: the settings that take one of several words.
     """
 
     vectors: ClassVar[Mapping[str, Vector]] = {}

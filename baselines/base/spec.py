@@ -36,7 +36,7 @@ class ControllerData:
 
     Attributes:
         file: TOML file; None for a controller without gain sets and without a search space.
-        target_impedance_sets: gain sets whose numbers give way to the target impedance that a task asks for.
+        target_impedance_sets: gain sets in which a task's target impedance replaces the set's own numbers.
     """
 
     file: Path | None = None
@@ -81,13 +81,13 @@ class ControllerSpec:
     """The declaration of a controller; it stands in the controller's file.
 
     Attributes:
-        name: by which the controller is found.
+        name: registered name of the controller.
         summary: one line for lists.
         policy: class that computes the joint torques.
         data: gain sets and search space.
         command_inputs: named inputs of the controller that action modes may drive, such as `joint_offset`.
-        chapter: of the report, for the order of lists.
-        revision: of its behaviour, stored in results.
+        chapter: chapter of the report, which orders lists.
+        revision: revision of the controller's behaviour, stored in results.
     """
 
     name: str

@@ -23,14 +23,14 @@ class ResidualTorque:
     """A family of action modes that add to the torques of a controller.
 
     Attributes:
-        share: of the actuator limits that the action may add, at most of the robot's own [1].
+        share: largest added torque, as a share of the actuator limits but at most of the robot's own [1].
     """
 
     share: float = RESIDUAL_SHARE
 
     @property
     def controller(self) -> str:
-        """Any: each controller has a mode."""
+        """Any controller: every one has a mode."""
         return ANY_CONTROLLER
 
     def endings(self, layout: ObservationLayout | None) -> tuple[str, ...]:
@@ -40,10 +40,10 @@ class ResidualTorque:
     def fields(self, torque_limit: Sequence[float], nominal: Sequence[float]) -> tuple[ActionField, ...]:
         """See `prp_gym.envs.action_mode.ModeEntry`.
 
-        Where the actuators are given more than the robot's own limits, or no limit at all, the share is one
-        of the robot's own.
+        Where an environment's actuator limits exceed the robot's own or are infinite, the share refers to the
+        robot's own limits.
         """
-        bound = tuple(self.share * min(pair) for pair in zip(torque_limit, nominal, strict=True))
+        bound = tuple(self.share * min(limits) for limits in zip(torque_limit, nominal, strict=True))
         units = TORQUE_UNITS[: len(bound)]
         description = "added to the torques of the controller"
         return (ActionField("residual_torque", units, "joint", bound, description),)

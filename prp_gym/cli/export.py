@@ -23,15 +23,15 @@ from prp_gym.tasks.registration import list_envs
 def export_command(
     path: Annotated[Path, typer.Argument(help="Model of Stable-Baselines3, a zip.")],
     env: Annotated[str, typer.Option(help="Environment id on which it was trained.")],
-    output: Annotated[Path, typer.Option(help="Of the agent's files, without suffix.")],
+    output: Annotated[Path, typer.Option(help="Path of the agent's files, without suffix.")],
     algorithm: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
     normalizer: Annotated[
-        Path | None, typer.Option(help="Its VecNormalize, a pickle. Default: none was used.")
+        Path | None, typer.Option(help="Pickle of the model's VecNormalize. Default: none was used.")
     ] = None,
     scenario: Annotated[str, typer.Option(help="Scenario of training.")] = "randomized",
     action_mode: Annotated[str, typer.Option(help="Action mode of training.")] = "torque",
-    control_frequency: Annotated[float, typer.Option(help="Actions a second in training [Hz].")] = 500.0,
-    seed: Annotated[int | None, typer.Option(help="Of training. Default: the model's.")] = None,
+    control_frequency: Annotated[float, typer.Option(help="Control frequency of training [Hz].")] = 500.0,
+    seed: Annotated[int | None, typer.Option(help="Seed of training. Default: the model's.")] = None,
     trust: Annotated[
         bool, typer.Option("--trust", help="Open the files, and run whatever code is in them.")
     ] = False,
@@ -39,8 +39,8 @@ def export_command(
 ) -> None:
     """Convert a model of Stable-Baselines3 into an agent's files, which hold no code.
 
-    Stable-Baselines3 saves with pickle: who wrote such a file can run any code on the machine that opens
-    it. So it is opened only if you say that you trust its author.
+    Stable-Baselines3 saves with pickle, and a pickle can run any code on the machine that opens it. The
+    file is opened only if you state that you trust its author.
     """
     if not trust:
         allowed = "only with --trust, as such files run code of their author's when they are opened"

@@ -82,12 +82,12 @@ class Candidate:
     """An agent that is to come with the suite.
 
     Attributes:
-        run: folder of its training.
-        target: its files, without suffix.
-        training_seed: of its training.
-        settings: by which it must have been trained.
-        episodes: of each evaluation.
-        seed: of the first episode.
+        run: folder of the training run.
+        target: path of the shipped agent's files, without suffix.
+        training_seed: seed of the training.
+        settings: training settings that the run must have used.
+        episodes: number of episodes of each evaluation.
+        seed: seed of the first episode.
     """
 
     run: Path

@@ -107,9 +107,9 @@ class _Evaluations:
     """When a policy is evaluated in training.
 
     Attributes:
-        count: of a whole training.
-        every: steps between them in place of that, 0 for none.
-        episodes: of each.
+        count: number of evaluations in the whole training.
+        every: steps between evaluations, which replaces `count`; 0 to use `count`.
+        episodes: number of episodes of each evaluation.
     """
 
     count: int
@@ -126,12 +126,12 @@ class _Runs:
     """What the runs of all groups share.
 
     Attributes:
-        output: folder of them all.
-        evaluations: in training.
-        checkpoint_every: steps between checkpoints, 0 for as between evaluations.
-        existing: what to do with an unfinished run.
+        output: folder that holds all runs.
+        evaluations: evaluations during the training.
+        checkpoint_every: steps between checkpoints; 0 for a checkpoint at every evaluation.
+        existing: treatment of an unfinished run in the folder.
         tensorboard: whether to write TensorBoard's files.
-        recipe_options: that changed the recipes.
+        recipe_options: command options that changed the recipes.
     """
 
     output: Path

@@ -25,11 +25,11 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
     """Train what is not finished yet, telling the progress on standard error.
 
     Args:
-        wanted: begun in this order.
-        workers: who train.
+        wanted: training jobs, begun in this order.
+        workers: processes that train.
 
     Returns:
-        what came out, in the order of `wanted`.
+        the results, in the order of `wanted`.
 
     Raises:
         PRPError: what training refuses; unfinished runs that may not be resumed before anything is begun.
@@ -91,11 +91,11 @@ def _progress_of(jobs: Sequence["TrainingJob"]) -> Iterator[Progress]:
 
 
 def show_results(jobs: Sequence["TrainingJob"], results: Sequence[Result]) -> None:
-    """Print what came out of one recipe's seeds, a line a seed.
+    """Print the results of one recipe, with one line for each training seed.
 
     Args:
-        jobs: of the recipe, in the order of their seeds.
-        results: of the jobs.
+        jobs: training jobs of the recipe, in the order of their seeds.
+        results: results of the jobs, in the same order.
     """
     recipe = jobs[0].recipe
     title = f"{recipe.environment_id}, {recipe.algorithm}, action mode {recipe.action_mode}"

@@ -18,9 +18,9 @@ class GainsChoice:
     """Gains of a controller: a named set, or the content of a user's file, and single settings beside them.
 
     Attributes:
-        name: of the gain set, or of the file without its folder.
+        name: name of the gain set, or of the file without its folder.
         toml: content of the file; empty for a gain set.
-        settings: names and values of single settings, the values as TOML.
+        settings: names and values of overridden settings, the values as TOML.
     """
 
     name: str = TUNED
@@ -67,9 +67,9 @@ class ControllerChoice:
     """A controller with its gains.
 
     Attributes:
-        name: registered, or label of a user's code.
-        sha256: of a user's code; empty for a registered controller.
-        gains: of the controller.
+        name: registered name of the controller, or label of a user's code.
+        sha256: SHA-256 of a user's code; empty for a registered controller.
+        gains: gains of the controller.
     """
 
     name: str

@@ -72,8 +72,8 @@ class Controllers:
         """A controller with all its settings given, in place of its gains.
 
         Args:
-            choice: the controller.
-            env: for which it is made.
+            choice: controller with its gains.
+            env: environment for which the controller is made.
             values: settings by name.
 
         Raises:

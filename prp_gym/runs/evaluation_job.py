@@ -19,12 +19,12 @@ class EvaluationJob:
     """A controller on an environment, and all that its evaluation depends on.
 
     Attributes:
-        environment_id: for `gymnasium.make`.
-        scenario: of the environment.
-        controller: with its gains.
-        control_frequency: of the environment [Hz].
+        environment_id: id of the environment, as `gymnasium.make` takes it.
+        scenario: scenario of the environment.
+        controller: controller that is evaluated, with its gains.
+        control_frequency: control frequency of the environment [Hz].
         episodes: number of episodes, 1 in a deterministic scenario.
-        seed: of the first episode.
+        seed: seed of the first episode.
     """
 
     environment_id: str
@@ -65,10 +65,10 @@ def list_jobs(
     Args:
         conditions: environment ids and scenarios.
         choices: controllers with their gains.
-        controllers: where these come from.
-        control_frequency: of the environments [Hz].
+        controllers: source of the controllers.
+        control_frequency: control frequency of the environments [Hz].
         episodes: number of episodes of each job; a deterministic scenario has one.
-        seed: of the first episode.
+        seed: seed of the first episode.
 
     Raises:
         UnknownNameError: a gain set or setting that one of the controllers lacks.

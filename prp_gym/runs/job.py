@@ -42,7 +42,7 @@ class Job(Protocol):
         """Evaluate the policy on the environment.
 
         Args:
-            controllers: where controllers come from.
+            controllers: source of the controllers.
         """
 
 
@@ -51,8 +51,8 @@ class JobResult:
     """What a worker hands over.
 
     Attributes:
-        record: of the job.
-        code: that made the record, as `running_code` says it in the worker's process.
+        record: record that the job produced.
+        code: digest of the code that made the record, as `running_code` returns it in the worker's process.
         node: name of the machine.
     """
 
@@ -86,10 +86,10 @@ def make_record(
     """An evaluation as the results file holds it.
 
     Args:
-        evaluation: of the policy.
-        policy: its name.
-        settings: of the policy.
-        revisions: of the behaviour of what the evaluation depends on beside the task: the controller or the
+        evaluation: evaluation of the policy.
+        policy: name of the policy.
+        settings: settings of the policy.
+        revisions: behaviour revisions of what the evaluation depends on besides the task: the controller, or the
             task on which an agent was trained.
     """
     described = describe_evaluation(evaluation, policy, settings)
@@ -99,5 +99,5 @@ def make_record(
 
 
 def task_revision(environment_id: str) -> int:
-    """Revision of the behaviour of a task; 1 of one that is not declared."""
+    """Revision of the behaviour of a task; 1 for a task that is not declared."""
     return TASKS[environment_id].revision if environment_id in TASKS else 1

@@ -17,13 +17,13 @@ _VARIADIC = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 class Predictor:
     """A class with Stable-Baselines3's `predict`.
 
-    It is constructed with the `ControlInterface` if its constructor has a parameter without a default, else
-    without an argument; parameters with a default are its settings.
+    Its constructor gets the `ControlInterface` if it has a parameter without a default, and no argument
+    otherwise; parameters with a default are the settings.
 
     Attributes:
-        name: under which it is listed.
-        kind: the class.
-        revision: of its behaviour.
+        name: listed name of the predictor.
+        kind: class that is instantiated as the policy.
+        revision: revision of the predictor's behaviour.
     """
 
     name: str
@@ -32,7 +32,7 @@ class Predictor:
 
     @property
     def defaults(self) -> dict[str, Any]:
-        """Its settings by name, with the values that they have unless others are given."""
+        """The settings by name, with their default values."""
         return {
             entry.name: entry.default
             for entry in inspect.signature(self.kind).parameters.values()
@@ -44,7 +44,7 @@ class Predictor:
 
         Args:
             env: an environment of this suite.
-            values: of its settings that differ from the defaults.
+            values: settings that differ from the defaults, by name.
 
         Raises:
             UnknownNameError: a setting that its constructor does not have.

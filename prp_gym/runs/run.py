@@ -28,9 +28,9 @@ class Run:
     """How the jobs of a command are run, and where its results go.
 
     Attributes:
-        folder: of the results.
-        workers: that run the jobs.
-        controllers: where controllers come from.
+        folder: folder of the results.
+        workers: processes that run the jobs.
+        controllers: source of the controllers.
         fresh: whether the jobs that an interrupted run has finished are run again.
     """
 
@@ -58,8 +58,8 @@ class Run:
         """The records of all jobs in their order.
 
         Args:
-            jobs: to run.
-            label: of the progress bar.
+            jobs: jobs to run.
+            label: label of the progress bar.
 
         Raises:
             OutputError: the folder cannot be made or written to.
@@ -75,9 +75,9 @@ class Run:
         """Write the results file, and remove the files of the finished jobs.
 
         Args:
-            jobs: that were run.
-            records: of the jobs.
-            findings: more that the results file is to hold.
+            jobs: jobs that were run.
+            records: records of the jobs.
+            findings: further entries of the results file.
         """
         described = describe_run(shlex.join(["prp-gym", *sys.argv[1:]]))
         write_json(self.results, {**described, "evaluations": records, **findings})
@@ -88,9 +88,9 @@ def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
     """The records of all jobs in their order; those that are not in the store are run and kept.
 
     Args:
-        jobs: to run.
-        run: how, and where finished jobs are kept.
-        label: of the progress bar.
+        jobs: jobs to run.
+        run: settings of the run and folder of the finished jobs.
+        label: label of the progress bar.
 
     Raises:
         InvalidValueError: a worker runs other code than this process.
@@ -101,7 +101,7 @@ def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
         if refused:
             note += f" Not reused, as damaged or of other settings or code: {len(refused)}."
         make_console(stderr=True).print(note, highlight=False)
-    # the long ones first, so that no worker is left alone with one in the end
+    # the longest jobs first, so that no worker is left running one alone at the end
     missing = sorted((job for job in jobs if job not in records), key=lambda job: -job.episodes)
     with make_progress() as progress:
         total = sum(job.episodes for job in jobs)

@@ -42,10 +42,10 @@ class Selection:
         """The selection that options name; without a name all environments or controllers are meant.
 
         Args:
-            environments: ids.
-            scenarios: names.
+            environments: environment ids.
+            scenarios: names of the scenarios.
             controllers: names, or code of a user's as `path/to/file.py:Name` or `package.module:Name`.
-            gains: of all controllers; without controllers those that have the gain set are meant.
+            gains: gains of all controllers; without controllers, those that have the gain set are selected.
 
         Raises:
             UnknownNameError: a name or gain set that does not exist.

@@ -23,7 +23,7 @@ class JobStore:
     the same folder.
 
     Args:
-        folder: of the files; made with the first of them.
+        folder: folder of the files, which is made with the first file.
     """
 
     def __init__(self, folder: Path) -> None:

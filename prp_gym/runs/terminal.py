@@ -34,7 +34,7 @@ def make_matrix(
     Names of controllers are broken at underscores.
 
     Args:
-        title: of the first table.
+        title: title of the first table.
         controllers: names of the columns.
         rows: an environment's id with a cell for each controller.
     """

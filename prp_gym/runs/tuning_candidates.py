@@ -20,7 +20,7 @@ def choose_controller(name: str, gains: GainsChoice) -> tuple[ControllerChoice, 
 
     Args:
         name: registered, or `path/to/file.py:Name` or `package.module:Name`.
-        gains: from which the search starts.
+        gains: gains from which the search starts.
 
     Raises:
         UnknownNameError: a name that does not exist.
@@ -53,8 +53,8 @@ def list_candidates(
 
     Args:
         choice: the controller with the gains from which the search starts.
-        controllers: where it comes from.
-        env: on which it is tuned.
+        controllers: source of the controller.
+        env: environment on which the controller is tuned.
 
     Raises:
         PRPError: a controller that cannot run on the environment with these gains.

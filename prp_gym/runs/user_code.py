@@ -27,8 +27,8 @@ class UserCode:
     """Where a user's controller is.
 
     Attributes:
-        label: of the controller, `file.py:Name` without folders or `package.module:Name`.
-        sha256: of the file, or of the code and data files of the module's top-level package.
+        label: label of the controller, `file.py:Name` without folders or `package.module:Name`.
+        sha256: SHA-256 of the file, or of the code and data files of the module's top-level package.
         source: path of the file, or name of the module.
         attribute: name of the controller in it.
     """
@@ -91,7 +91,7 @@ def report_failed_making(defined: Any, environment_id: str) -> Iterator[None]:
 
     Args:
         defined: class whose module is the code.
-        environment_id: for which the policy is made.
+        environment_id: id of the environment for which the policy is made.
 
     Raises:
         UserCodeError: in place of an error that was raised in code that is not this package's.
@@ -111,7 +111,7 @@ def report_failed_acting(defined: Any, environment_id: str) -> Iterator[None]:
 
     Args:
         defined: class whose module is the code.
-        environment_id: on which the policy acts.
+        environment_id: id of the environment on which the policy acts.
 
     Raises:
         UserCodeError: in place of any error, if the code is not this package's.

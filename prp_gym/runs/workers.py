@@ -48,8 +48,8 @@ class Workers:
         """Apply a function to every item; worker processes first load the plugins of this process.
 
         Args:
-            function: of a module, so that it can be pickled, as items and results must be, too.
-            items: begun in this order.
+            function: function of a module, which can be pickled; items and results must be picklable, too.
+            items: items of work, begun in this order.
 
         Returns:
             each item's index with its result, as they are finished.

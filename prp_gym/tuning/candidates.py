@@ -28,8 +28,8 @@ class Candidates:
     """The policies that a search tries: one for each choice of the factors of a space.
 
     Attributes:
-        space: of the settings.
-        make_policy: the policy with some settings; it may refuse them with a `PRPError`.
+        space: search space of the settings.
+        make_policy: function that makes a policy from settings; it may refuse them with a `PRPError`.
     """
 
     space: Space

@@ -34,7 +34,7 @@ class Episodes:
 
     Args:
         env: an environment of this suite; wrappers are passed over.
-        seeds: of the episodes, at least one.
+        seeds: seeds of the episodes, at least one.
 
     Raises:
         InvalidValueError: an environment of another suite.
@@ -89,7 +89,7 @@ class Episodes:
 
 
 class _OneByOne:
-    """A policy for one observation, asked as one for several of which there is but one."""
+    """Adapter that gives a policy for single observations a batch of one observation."""
 
     def __init__(self, policy: Policy, shape: tuple[int, ...]) -> None:
         self._policy, self._shape = policy, shape

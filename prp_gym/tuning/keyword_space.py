@@ -44,7 +44,7 @@ class KeywordSpace:
         """All keyword arguments.
 
         Args:
-            factors: by the parameters' names.
+            factors: factors by the names of the parameters.
 
         Returns:
             values by name, as the class takes them.

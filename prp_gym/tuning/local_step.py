@@ -36,9 +36,9 @@ def local_step(space: Space, trials: Sequence[Trial], rng: np.random.Generator) 
     """The best factors so far, each times a log-normal one, within their ranges.
 
     Args:
-        space: of the factors.
-        trials: at least one.
-        rng: of the step.
+        space: search space of the factors.
+        trials: finished trials, at least one.
+        rng: random generator of the step.
     """
     best = max(trials, key=lambda trial: trial.score)
     shifts = step_length(trials) * rng.standard_normal(len(space.parameters))

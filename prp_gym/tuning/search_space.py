@@ -39,7 +39,7 @@ GROUPS: Mapping[tuple[str, int], Mapping[str, slice]] = {
 """Components of a vector that share a parameter, by what the vector is of and by its length."""
 
 DEFAULT_RANGE = (0.1, 10.0)
-"""Of the factor on each vector setting of a controller that declares no search space [1]."""
+"""Range of the factor on each vector setting of a controller that declares no search space [1]."""
 
 _Components = slice | EllipsisType
 
@@ -49,11 +49,11 @@ class Parameter:
     """A factor on some of a controller's settings; 1 leaves them as they are.
 
     Attributes:
-        name: of the parameter.
-        low: least factor, above 0 [1].
+        name: name of the parameter.
+        low: smallest factor, above 0 [1].
         high: largest factor [1].
-        powers: of the factor, by the settings that they multiply.
-        components: of these settings, where they are vectors.
+        powers: exponents of the factor, by the names of the settings that the powers multiply.
+        components: indices of the components that are multiplied in settings that are vectors.
     """
 
     name: str
@@ -69,7 +69,7 @@ class SearchSpace:
 
     Attributes:
         centre: the controller's settings where every factor is 1, vectors at their full length.
-        parameters: the factors.
+        parameters: parameters of the search, one factor each.
     """
 
     centre: Settings
@@ -80,7 +80,7 @@ class SearchSpace:
         """The space that a controller declares, or a factor on each of its vector settings.
 
         Args:
-            controller: its declaration.
+            controller: declaration of the controller.
             centre: settings of one of its policies.
 
         Raises:
@@ -102,7 +102,7 @@ class SearchSpace:
         """All of a controller's settings but its model.
 
         Args:
-            factors: by the parameters' names.
+            factors: factors by the names of the parameters.
 
         Returns:
             values by name, as `make_baseline` takes them.

@@ -36,10 +36,10 @@ class StoredStudy:
     counted once, since nothing was learned from them before. One run at a time may use a folder.
 
     Args:
-        folder: of the journal file.
-        space: that is searched.
-        key: what the trials depend on beside their factors, as plain JSON.
-        seed: of the proposals.
+        folder: folder of the journal file.
+        space: space that is searched.
+        key: everything that the trials depend on besides their factors, as plain JSON.
+        seed: seed of the proposals.
         resume: whether to go on with the trials that are there, if any.
 
     Raises:

@@ -20,13 +20,13 @@ class TuningTask:
     """A controller on an environment, and the search for its settings.
 
     Attributes:
-        environment_id: for `gymnasium.make`.
+        environment_id: id of the environment, as `gymnasium.make` takes it.
         controller: name of the controller.
-        scenario: of the environment.
-        control_frequency: of the environment [Hz].
+        scenario: scenario of the environment.
+        control_frequency: control frequency of the environment [Hz].
         budget: control steps that may be simulated, of all environments together.
         episodes: number of episodes of every candidate, the same ones for all.
-        seed: of the search and of its episodes.
+        seed: seed of the search and of its episodes.
 
     Raises:
         InvalidValueError: a number that is not whole or too small, or too large a seed.

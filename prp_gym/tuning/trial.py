@@ -9,7 +9,7 @@ class Trial:
     """A candidate that was evaluated.
 
     Attributes:
-        factors: of the search space, by the names of its parameters.
+        factors: factors of the search space, by the names of its parameters.
         score: mean over the episodes [1].
         steps: control steps that it counts against the budget.
         seconds: wall time that it took [s].

@@ -39,7 +39,7 @@ class Tuned:
 
     Attributes:
         trials: all candidates in their order; the first has the gains from which the search started.
-        settings: of the best of them, by name.
+        settings: settings of the best candidate, by name.
     """
 
     trials: Sequence[Trial]
@@ -72,9 +72,9 @@ def start_gains(controller: ControllerSpec, environment_id: str, control_frequen
     """The gain set from which a search starts: `tuned`, or the one for 50 Hz where that is unstable.
 
     Args:
-        controller: its declaration.
-        environment_id: of the environment.
-        control_frequency: of the environment [Hz].
+        controller: declaration of the controller.
+        environment_id: id of the environment.
+        control_frequency: control frequency of the environment [Hz].
     """
     least = load_gains(controller, TUNED, environment_id).get("minimum_frequency", 0.0)
     return TUNED if control_frequency >= least else SLOW
@@ -116,7 +116,7 @@ def tune(
         task: what is tuned.
         env: the environment of the task.
         candidates: policies by their factors.
-        study: proposes factors.
+        study: search method that proposes factors.
         on_trial: called after each trial that is run, for progress bars.
 
     Returns:

@@ -20,10 +20,10 @@ class Validation:
     """Mean scores on episodes that the search did not use, and that its budget does not count.
 
     Attributes:
-        seed: of the first episode.
+        seed: seed of the first episode.
         episodes: number of episodes.
-        score: of the settings that were found [1].
-        score_of_tuned: of the gains from which the search started [1].
+        score: score of the settings that were found [1].
+        score_of_tuned: score of the gains from which the search started [1].
     """
 
     seed: int
@@ -39,8 +39,8 @@ class TunedController:
     Attributes:
         environment: id of the environment.
         controller: name of the controller.
-        scenario: of the training episodes.
-        control_frequency: of the environment [Hz].
+        scenario: scenario of the training episodes.
+        control_frequency: control frequency of the environment [Hz].
         settings: all settings of the controller but its model, as `make_baseline` takes them.
         budget_steps: control steps that the search was allowed, of all environments together.
         used_steps: control steps that were simulated.
@@ -52,9 +52,9 @@ class TunedController:
         score: mean over the training episodes [1].
         score_of_tuned: mean score of the first candidate, on the same episodes [1].
         validation: the same scores on other episodes.
-        seed: of the search.
-        command: that ran the search.
-        versions: of Python and of the packages that the result depends on.
+        seed: seed of the search.
+        command: command line that ran the search.
+        versions: versions of Python and of the packages that the result depends on.
         code: name and SHA-256 of a user's own controller; empty for a registered one.
     """
 
@@ -105,7 +105,7 @@ def list_tuned_controllers(environment_id: str | None = None) -> list[str]:
     """Names of the tuned controllers that come with this package, `<environment id>/<controller>`.
 
     Args:
-        environment_id: of the environment; all without it.
+        environment_id: id of the environment; None for all.
 
     Raises:
         UnknownNameError: an environment that does not exist.
@@ -137,7 +137,7 @@ def read_tuned_controller(content: Any, where: str) -> TunedController:
     """A tuned controller from the content of its file.
 
     Args:
-        content: parsed JSON.
+        content: content of the file as parsed JSON.
         where: origin of the content, for errors.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The action modes: without action they are their laws, and with one they do what they say."""
+"""Action modes: a zero action leaves the inner controller as it is, other actions act as declared."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,10 +19,10 @@ from tests.support.vector_episodes import assert_same
 
 
 class Still:
-    """A policy that does nothing.
+    """A policy whose actions are zero.
 
     Args:
-        size: of an action.
+        size: size of an action.
     """
 
     def __init__(self, size: int) -> None:
@@ -39,7 +39,7 @@ def idle(env: PRPEnv) -> Still:
 
 
 def assert_same_episodes(found: Sequence[Rollout], expected: Sequence[Rollout]) -> None:
-    """To the last bit, but for what the policy took."""
+    """Compare episodes bit for bit, except for the policy's compute time."""
     assert len(found) == len(expected) > 0
     for ours, theirs in zip(found, expected, strict=True):
         for name in ("seed", "period", "duration", "torque", "applied_torque", "reward", "diverged"):
@@ -49,7 +49,7 @@ def assert_same_episodes(found: Sequence[Rollout], expected: Sequence[Rollout]) 
 
 
 @pytest.mark.parametrize(("environment_id", "mode"), COVERING)
-def test_without_action_a_mode_is_its_law_at_500_hz(environment_id: str, mode: str) -> None:
+def test_zero_action_equals_the_inner_controller_at_500_hz(environment_id: str, mode: str) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "duration": 0.04}
     env, plain = (
         made(environment_id, mode, control_frequency=50, **keywords),
@@ -62,7 +62,7 @@ def test_without_action_a_mode_is_its_law_at_500_hz(environment_id: str, mode: s
 
 @pytest.mark.parametrize("rate", [20, 500])
 @pytest.mark.parametrize(("environment_id", "mode"), KINDS)
-def test_evaluation_of_a_mode_is_that_of_its_law_whatever_the_rate_of_actions(
+def test_evaluation_with_zero_actions_equals_that_of_the_inner_controller_at_any_rate(
     environment_id: str, mode: str, rate: int
 ) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "duration": 0.2}
@@ -91,7 +91,7 @@ def test_environment_has_the_modes_that_its_observations_serve_and_no_others(env
                 made(environment_id, mode)
 
 
-def test_modes_are_torque_nine_and_a_residual_of_every_law() -> None:
+def test_modes_are_torque_nine_and_a_residual_of_every_controller() -> None:
     assert list_action_modes() == [
         "torque",
         "joint_position",
@@ -117,14 +117,14 @@ def test_unknown_mode_names_the_nearest_one() -> None:
         gymnasium.make("PRP-Impedance-v0", action_mode=None)
 
 
-def test_torque_has_no_inner_law() -> None:
+def test_torque_has_no_inner_controller() -> None:
     env = made("PRP-Impedance-v0")
     with pytest.raises(UnknownNameError, match="unknown action_mode 'torque'"):
         make_action_mode("torque", ModeSetup(env.task, env.torque_limit, 0.002))
 
 
 @pytest.mark.parametrize("rate", [1000, 40])
-def test_rate_that_does_not_divide_the_laws_is_refused_and_says_why(rate: int) -> None:
+def test_rate_that_does_not_divide_the_controller_s_is_refused_with_the_reason(rate: int) -> None:
     with pytest.raises(InvalidValueError, match="divisor of 500, the frequency inside mode 'impedance'"):
         made("PRP-Impedance-v0", "impedance", control_frequency=rate)
     assert made("PRP-Impedance-v0", control_frequency=rate).control_frequency == rate
@@ -135,7 +135,7 @@ def test_duration_is_a_whole_number_of_actions() -> None:
         made("PRP-Impedance-v0", "impedance", control_frequency=50, duration=0.05)
 
 
-def test_law_is_refused_where_actions_are_no_torques() -> None:
+def test_controller_is_refused_where_actions_are_not_torques() -> None:
     env = made("PRP-Impedance-v0", "impedance")
     with pytest.raises(InvalidValueError, match="action_mode is 'impedance'; allowed: 'torque'"):
         make_baseline("impedance", env)
@@ -179,7 +179,7 @@ def test_residual_is_never_more_than_a_share_of_the_robots_own_limits(
     env.step(np.ones(3))
     still.step(np.zeros(3))
     added = env.commanded_torque - still.commanded_torque
-    # a law's torque is a float32 share of a limit of up to 1e6, the same in both; their difference is exact
+    # the controller's torque is a float32 share of a limit of up to 1e6, equal in both: the difference is exact
     np.testing.assert_allclose(added, field.bound, rtol=1e-9)
 
 

@@ -33,7 +33,7 @@ GENTLE = ActionModeSpec(
     "moves the reference of adaptive control a little",
     CommandInputs("adaptive", (replace(JOINT_OFFSET, bound=(0.1, 0.01, 0.1)),)),
 )
-STEERED = [(name, spec) for name, spec in ACTION_MODES.items() if not spec.is_family]
+SINGLE_MODES = [(name, spec) for name, spec in ACTION_MODES.items() if not spec.is_family]
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def test_input_that_the_controller_does_not_declare_is_refused_when_the_mode_is_
     assert (caught.value.name, caught.value.valid) == (field, BASELINES[controller].command_inputs)
 
 
-@pytest.mark.parametrize(("name", "spec"), STEERED)
+@pytest.mark.parametrize(("name", "spec"), SINGLE_MODES)
 def test_mode_drives_inputs_that_its_controller_declares(name: str, spec: ActionModeSpec) -> None:
     fields = spec.entry.fields(NOMINAL.torque_limit, NOMINAL.torque_limit)
     assert {field.name for field in fields} <= set(BASELINES[spec.entry.controller].command_inputs)

@@ -1,4 +1,4 @@
-"""Adaptive control of the arm and of the link: the law, its adaptation, and what it is for: wrong masses."""
+"""Adaptive control of the arm and of the link: torques, adaptation, and robustness to link-mass errors."""
 
 from dataclasses import replace
 from typing import Any
@@ -82,7 +82,7 @@ def test_first_torque_is_the_model_s_along_the_sliding_reference(
         np.testing.assert_allclose(torque[row], expected, rtol=ROUNDING, atol=ROUNDING)
 
 
-def test_estimate_moves_along_the_torque_s_gradient_times_the_slip() -> None:
+def test_estimate_moves_along_the_torque_s_gradient_times_the_sliding_variable() -> None:
     given = observed(2, 20)
     policy = controller(upper_share=1e9, margin=1e9, lower_share=0.0)
     (estimate,) = policy.initial_state(given)
@@ -92,12 +92,12 @@ def test_estimate_moves_along_the_torque_s_gradient_times_the_slip() -> None:
     for index in range(12):
         more, _ = policy.control(given, (estimate + 100.0 * np.eye(12)[index],))
         power = np.sum((more - torque) / 100.0 * sliding_variable, axis=1)
-        # differences of torques of up to 1e9 N m, over 100, times a slip of up to 1e2
+        # differences of torques of up to 1e9 N m, over 100, times a sliding variable of up to 1e2
         rate = (after - estimate)[:, index] / PERIOD
         np.testing.assert_allclose(rate, GAMMA[index] * power, rtol=1e-4, atol=1e-2)
 
 
-def test_link_s_law_is_the_one_written_out() -> None:
+def test_link_s_torque_and_adaptation_follow_the_formula() -> None:
     model = LinkParameters(inertia=0.4, viscous_friction=0.2, gravity_moment=1.5)
     settings = AdaptiveSettings(20.0, 5.0, [0.1, 0.2, 0.3], model=model, upper_share=100.0, lower_share=0.0)
     policy = AdaptiveController(LINK_INTERFACE, settings)
@@ -112,12 +112,12 @@ def test_link_s_law_is_the_one_written_out() -> None:
     np.testing.assert_allclose(after, np.array([0.4, 0.2, 1.5]) + change, rtol=1e-13)
 
 
-def test_estimates_start_at_the_parameters_of_the_law_s_model() -> None:
-    wrong = NOMINAL.with_masses((1.5, 0.5, 0.9))
+def test_estimates_start_at_the_parameters_of_the_controller_s_model() -> None:
+    inaccurate = NOMINAL.with_masses((1.5, 0.5, 0.9))
     given = observed(3, 4)
-    (estimate,) = controller(model=wrong).initial_state(given)
-    np.testing.assert_array_equal(estimate, np.tile(PRPArm(wrong).parameter_vector(), (4, 1)))
-    _, state = controller(model=wrong).predict(np.zeros(INTERFACE.layout.size))
+    (estimate,) = controller(model=inaccurate).initial_state(given)
+    np.testing.assert_array_equal(estimate, np.tile(PRPArm(inaccurate).parameter_vector(), (4, 1)))
+    _, state = controller(model=inaccurate).predict(np.zeros(INTERFACE.layout.size))
     assert state is not None
     assert state[0].shape == (12,)
 
@@ -175,7 +175,7 @@ def last_error(run: Run) -> float:
 @pytest.mark.parametrize(
     "factors", [(0.7, 0.7, 0.7), (1.3, 1.3, 1.3), (0.7, 1.3, 1.3), (1.3, 0.7, 0.7), (0.7, 0.7, 1.3)]
 )
-def test_wrong_masses_cost_a_tenth_of_what_they_cost_without_adaptation(factors: tuple[float, ...]) -> None:
+def test_adaptation_reduces_the_error_due_to_link_mass_errors_tenfold(factors: tuple[float, ...]) -> None:
     model = NOMINAL.scaled(factors)
     settings = tuned("PRP-JointTracking-v0", model=model)
     adapted = simulate(AdaptiveController(INTERFACE, settings), loop(0.0)[0], loop, 10.0)
@@ -186,7 +186,7 @@ def test_wrong_masses_cost_a_tenth_of_what_they_cost_without_adaptation(factors:
     computed = JointInverseDynamicsController(INTERFACE, JointInverseDynamicsSettings(*gains, model=model))
     fixed = simulate(computed, loop(0.0)[0], loop, 4.0)
     assert last_error(adapted) < 0.1 * last_error(fixed)
-    assert last_error(fixed) > 2e-3  # [m]: there was something to win
+    assert last_error(fixed) > 2e-3  # [m]: without adaptation the error is not small
 
 
 def link_errors(settings: AdaptiveSettings, plant: Link, duration: float) -> tuple[Array, Array]:
@@ -206,23 +206,23 @@ def link_errors(settings: AdaptiveSettings, plant: Link, duration: float) -> tup
 
 
 @pytest.mark.parametrize("factors", [(0.5, 0.5, 0.5), (1.5, 1.5, 1.5), (0.7, 1.3, 1.5), (1.3, 0.5, 0.7)])
-def test_link_is_followed_though_its_parameters_are_wrong(factors: tuple[float, float, float]) -> None:
-    true = LinkParameters()
+def test_link_follows_its_reference_despite_parameter_errors(factors: tuple[float, float, float]) -> None:
+    actual = LinkParameters()
     model = LinkParameters(
-        inertia=factors[0] * true.inertia,
-        viscous_friction=factors[1] * true.viscous_friction,
-        gravity_moment=factors[2] * true.gravity_moment,
+        inertia=factors[0] * actual.inertia,
+        viscous_friction=factors[1] * actual.viscous_friction,
+        gravity_moment=factors[2] * actual.gravity_moment,
     )
     settings = tuned("PRP-Adaptive-v0", model=model)
-    adapted, estimate = link_errors(settings, Link(true), 10.0)
+    adapted, estimate = link_errors(settings, Link(actual), 10.0)
     still = replace(settings, adaptation_gain=0.0)
-    fixed, _ = link_errors(still, Link(true), 3.0)
-    exact, _ = link_errors(replace(still, model=true), Link(true), 3.0)
-    # torques held for 2 ms leave 1.1 mrad even with the right parameters; the rest is what wrong ones cost
+    fixed, _ = link_errors(still, Link(actual), 3.0)
+    exact, _ = link_errors(replace(still, model=actual), Link(actual), 3.0)
+    # torques held for 2 ms leave 1.1 mrad even with exact parameters; the rest is due to parameter errors
     assert np.abs(adapted[-500:]).max() < np.abs(exact[-500:]).max() < 1.1e-3
     left, without = (np.abs(errors - exact[-500:]).max() for errors in (adapted[-500:], fixed[-500:]))
     assert left < 0.1 * without
-    assert abs(estimate[0] - true.inertia) < 0.05  # the one parameter that this reference excites well
+    assert abs(estimate[0] - actual.inertia) < 0.05  # the one parameter that this reference excites well
 
 
 def test_report_s_gains_follow_the_link_and_hardly_learn() -> None:

@@ -125,12 +125,15 @@ def test_tuned_renders_its_target_on_every_surface() -> None:
             force = (1.0 - share) * recording.force[index] + share * recording.force[index + 1]
             rate = rate + 2e-4 * (force - 10.0 * rate - 20.0 * value)
             value = value + 2e-4 * rate
-    # the law holds each force for a period: half of it late, at tip speeds up to 0.1 m/s and 11 N on impact
+    # the controller holds each force for a period, a mean delay of half a period:
+    # the tip moves at up to 0.1 m/s, with 11 N on impact
     assert worst < 5e-4
 
 
 @pytest.mark.parametrize("factors", [(0.7, 0.7, 0.7), (1.3, 0.7, 1.3)])
-def test_tuned_stands_a_poor_model_sensor_and_a_late_torque(factors: tuple[float, float, float]) -> None:
+def test_tuned_tolerates_model_errors_sensor_errors_and_a_one_step_actuation_delay(
+    factors: tuple[float, float, float],
+) -> None:
     cases = random_cases(6, 30)
     chosen, still = controller(NAME, "tuned"), 0.0 * cases.into
 
@@ -167,7 +170,7 @@ def test_held_force_takes_damping_from_the_target() -> None:
         assert (ripple[1] > 1.0) == rings
 
 
-def test_batch_is_the_single_law_in_every_row() -> None:
+def test_batch_equals_the_single_controller_in_every_row() -> None:
     chosen, first, second = custom(), random_observation(3, 5), random_observation(21, 5)
     _, states = chosen.control(first, chosen.initial_state(first))
     torque, after = chosen.control(second, states)

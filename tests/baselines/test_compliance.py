@@ -1,4 +1,4 @@
-"""Compliance: the law against its formula in the desired frame, and how it presses on a wall."""
+"""Compliance control: torques against the formula in the desired frame, and contact with a wall."""
 
 from typing import Any
 

@@ -1,7 +1,7 @@
-"""The law made for a contact task, with `tuned` gains, on 50 episodes of the scenario `randomized`.
+"""The controller of each contact task, with `tuned` gains, on 50 episodes of the scenario `randomized`.
 
-Surfaces of 50 to 5000 N/m lie anywhere in reach. These are properties of the laws, not closed forms: each
-bound says what it would mean to break it.
+Surfaces of 50 to 5000 N/m lie anywhere in reach. These are properties of the controllers, not closed
+forms: each bound says what it would mean to break it.
 """
 
 from contextlib import closing
@@ -17,14 +17,14 @@ from prp_gym.evaluation.rollout import Rollout
 
 Array = NDArray[np.float64]
 
-OWN_LAW = {
+TASK_CONTROLLER = {
     "PRP-Compliance-v0": "compliance",
     "PRP-Impedance-v0": "impedance",
     "PRP-Admittance-v0": "admittance",
     "PRP-Force-v0": "force_inner_position",
     "PRP-ForcePosition-v0": "parallel_force_position",
 }
-MOTION_LAWS = (
+MOTION_CONTROLLERS = (
     "joint_pd",
     "joint_inverse_dynamics",
     "adaptive",
@@ -60,12 +60,14 @@ def assert_off_the_stops(rollout: Rollout) -> None:
     assert hits <= 1, rollout.seed  # one touch is a touch, more are hammering
 
 
-@pytest.mark.parametrize(("environment_id", "motion_law"), list(zip(OWN_LAW, MOTION_LAWS, strict=True)))
-def test_law_of_the_task_is_stable_on_every_seed_keeps_off_the_stops_and_beats_a_motion_law(
-    environment_id: str, motion_law: str
+@pytest.mark.parametrize(
+    ("environment_id", "motion_controller"), list(zip(TASK_CONTROLLER, MOTION_CONTROLLERS, strict=True))
+)
+def test_controller_of_the_task_is_stable_on_every_seed_keeps_off_the_stops_and_beats_a_motion_controller(
+    environment_id: str, motion_controller: str
 ) -> None:
     """Every task, and every motion controller, once; one test, so that the task's own runs once."""
-    own = evaluated(environment_id, OWN_LAW[environment_id])
+    own = evaluated(environment_id, TASK_CONTROLLER[environment_id])
     assert len(own.rollouts) == SEEDS
     for rollout in own.rollouts:
         assert_stable(environment_id, rollout)
@@ -75,6 +77,6 @@ def test_law_of_the_task_is_stable_on_every_seed_keeps_off_the_stops_and_beats_a
     if asks_for_force:  # the estimated stiffness settles on it
         assert np.isfinite(own.metrics["force_settling_time"][:, 0]).mean() >= 0.95
     score = own.metrics["score"]
-    other = evaluated(environment_id, motion_law).metrics["score"]
+    other = evaluated(environment_id, motion_controller).metrics["score"]
     assert score.mean() > other.mean()
     assert (score > other).mean() > 0.95  # and not by a few lucky seeds

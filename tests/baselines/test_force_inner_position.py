@@ -95,7 +95,7 @@ def test_fixed_gains_are_stable_up_to_routh_s_bound(force_gain: float, integral_
     wall = Wall.ahead(PRPArm().forward_kinematics(q)[:, :3], into, -5.0 / stiffness, stiffness)
     gains = {"force_gain": force_gain, "integral_gain": integral_gain, **inner}
     made = controller(NAME, "report", period=0.001, limit=UNLIMITED, **gains)
-    recording = simulate(made, q, wall, 5.2 * into, 3.0)  # pressed by 5 N, 5.2 N asked for
+    recording = simulate(made, q, wall, 5.2 * into, 3.0)  # pressed by 5 N, 5.2 N desired
     error = np.abs(np.einsum("tnk,nk->tn", recording.force, into) - 5.2)
     grown = error[-500:].max(axis=0) / error[500:1000].max(axis=0)
     # near the bound the oscillation at 22 rad/s grows or decays by ±0.7 1/s: a factor 4 in 2 s
@@ -118,12 +118,14 @@ def test_tuned_settles_on_every_surface_and_overshoots_little() -> None:
     assert np.abs(recording.action).max() < 1.0
     integral = controller(NAME, "tuned").settings.force_integral(0.002)
     estimate = integral.estimator.stiffness(recording.state[2])
-    # no noise: the guess's weight is all that is wrong, and the impact's short delay of the force
+    # without noise only the initial guess and the short delay of the force at impact cause an error
     np.testing.assert_allclose(estimate, cases.wall.stiffness, rtol=0.05)
 
 
 @pytest.mark.parametrize("factors", [(0.7, 0.7, 0.7), (1.3, 0.7, 1.3)])
-def test_tuned_stands_a_poor_model_sensor_and_a_late_torque(factors: tuple[float, float, float]) -> None:
+def test_tuned_tolerates_model_errors_sensor_errors_and_a_one_step_actuation_delay(
+    factors: tuple[float, float, float],
+) -> None:
     cases = random_cases(2, 40)
     world = poor_arm(40, factors)
     made = controller(NAME, "tuned")
@@ -131,7 +133,7 @@ def test_tuned_stands_a_poor_model_sensor_and_a_late_torque(factors: tuple[float
     force = cases.pressing(recording)
     seen = np.einsum("nk,nk->n", np.asarray(world.bias), cases.into)
     late = force[recording.time >= 4.0]
-    # the law leads the measured force to f_d: the true one misses the bias
+    # the controller drives the measured force to f_d, so that the actual force differs by the sensor's bias
     np.testing.assert_allclose(late.mean(axis=0), cases.force - seen, atol=0.02)
     # and trembles with the noise of 0.05 N that the compensation hands to the torques
     assert late.std(axis=0).max() < 0.05

@@ -1,4 +1,4 @@
-"""What the force laws share: batches, episodes, limits, the touch, and singular postures of the tip."""
+"""Behaviour that the force controllers share: batches, episodes, limits, impact, and singular postures."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from tests.support.contact_plant import LIMIT, Wall, simulate
 
 Array = NDArray[np.float64]
 
-LAWS = ("force_inner_position", "parallel_force_position")
+FORCE_CONTROLLERS = ("force_inner_position", "parallel_force_position")
 GAINS = ("report", "tuned")
 OUTER = ScheduledGain(10.0, 0.03, 0.4, StiffnessEstimator(5000.0, 0.5, 0.002))
 ALONG_X = np.array([1.0, 0.0, 0.0])
@@ -24,9 +24,9 @@ def error(desired: float, measured: float) -> ForceError:
     return ForceError.of(desired * ALONG_X, measured * ALONG_X)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", FORCE_CONTROLLERS)
 @pytest.mark.parametrize("gains", GAINS)
-def test_batch_is_the_single_law_in_every_row(name: str, gains: str) -> None:
+def test_batch_equals_the_single_controller_in_every_row(name: str, gains: str) -> None:
     chosen = controller(name, gains)
     first, second = random_observation(3, 6), random_observation(21, 6)
     states = chosen.initial_state(first)
@@ -44,10 +44,10 @@ def test_batch_is_the_single_law_in_every_row(name: str, gains: str) -> None:
             np.testing.assert_allclose(single, whole[row], rtol=1e-12, atol=1e-15)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", FORCE_CONTROLLERS)
 @pytest.mark.parametrize("gains", GAINS)
 def test_episode_starts_anew_where_it_starts_and_only_there(name: str, gains: str) -> None:
-    chosen = controller(name, gains, limit=1e9 * LIMIT)  # nothing held at a limit
+    chosen = controller(name, gains, limit=1e9 * LIMIT)  # no actuator reaches its limit
     before, now = random_observation(8, 3), random_observation(4, 3)
     for observed in (before, now):
         observed["desired_force"] = 2.0 * observed["contact_force"]  # pressing: the estimate learns
@@ -68,7 +68,7 @@ def test_episode_starts_anew_where_it_starts_and_only_there(name: str, gains: st
         assert not np.array_equal(old[1], new[1])
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", FORCE_CONTROLLERS)
 @pytest.mark.parametrize("gains", GAINS)
 def test_integral_stands_still_where_an_actuator_is_at_its_limit(name: str, gains: str) -> None:
     observed = random_observation(5, 2)
@@ -90,7 +90,7 @@ def test_integral_stands_still_where_an_actuator_is_at_its_limit(name: str, gain
     assert state[0][1, 0] > 0.0
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", FORCE_CONTROLLERS)
 def test_saturation_on_the_way_does_not_wind_the_integral(name: str) -> None:
     """A desired force beyond what the slide can hold, then one that it can."""
     cases = random_cases(6, 4)
@@ -104,7 +104,7 @@ def test_saturation_on_the_way_does_not_wind_the_integral(name: str) -> None:
     assert (displacement - tip < 0.01).all()
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", FORCE_CONTROLLERS)
 @pytest.mark.parametrize("posture", [(0.3, -0.1, np.pi / 2), (0.3, -0.1, -np.pi / 2), (0.3, -0.3, np.pi / 2)])
 def test_postures_where_the_tip_s_position_is_singular_are_passed(
     name: str, posture: tuple[float, float, float]

@@ -1,4 +1,4 @@
-"""The laws' gains as data: every set has its source, every number belongs to a law and an environment."""
+"""Gain sets as data: every set has a source, every number belongs to a controller and an environment."""
 
 import tomllib
 from dataclasses import fields, replace
@@ -74,7 +74,7 @@ def test_sets_that_are_not_ours_have_the_least_rates_that_are_known() -> None:
 
 
 @pytest.mark.parametrize("controller", BASELINES)
-def test_law_has_the_report_s_gains_and_tuned_ones(controller: str) -> None:
+def test_controller_has_the_report_s_gains_and_tuned_ones(controller: str) -> None:
     assert {"report", "tuned"} <= set(gain_sets(controller))
     assert gain_sets(controller) == tuple(TABLE[controller])
 
@@ -88,7 +88,7 @@ def test_set_names_its_source(controller: str, name: str) -> None:
 
 
 @pytest.mark.parametrize(("controller", "name"), SETS)
-def test_set_gives_only_settings_of_its_law(controller: str, name: str) -> None:
+def test_set_gives_only_settings_of_its_controller(controller: str, name: str) -> None:
     known = {field.name for field in fields(BASELINES[controller].settings_class)} | {
         "source",
         "minimum_frequency",

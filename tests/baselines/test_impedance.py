@@ -1,4 +1,4 @@
-"""Impedance: the law against Pinocchio, the model that it renders, and how it presses on a wall."""
+"""Impedance control: torques against Pinocchio, the rendered impedance, and contact with a wall."""
 
 from typing import Any
 

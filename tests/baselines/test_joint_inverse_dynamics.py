@@ -1,4 +1,4 @@
-"""Joint-space inverse dynamics: the law against Pinocchio's algorithms, with the right model and another."""
+"""Joint-space inverse dynamics: torques against Pinocchio, with an exact and an inexact model."""
 
 from dataclasses import replace
 from typing import Any
@@ -80,11 +80,11 @@ def test_exact_model_gives_every_joint_the_wanted_acceleration(
     np.testing.assert_allclose(acceleration, wanted_acceleration(given), rtol=1e-9, atol=1e-9)
 
 
-def test_wrong_masses_do_not() -> None:
+def test_link_mass_errors_do_not() -> None:
     given = observed(4, 50)
     q, velocity = given["joint_position"], given["joint_velocity"]
-    wrong = NOMINAL.with_masses((0.9, 0.5, 0.7))
-    torque = controller(model=wrong).torque(given)
+    inaccurate = NOMINAL.with_masses((0.9, 0.5, 0.7))
+    torque = controller(model=inaccurate).torque(given)
     acceleration = per_row(PinocchioArm().forward_dynamics, q, velocity, torque, np.zeros_like(q))
     # every mass is at least 14 % too small
     missing = np.linalg.norm(acceleration - wanted_acceleration(given), axis=1)
@@ -121,7 +121,7 @@ def test_model_is_nominal_unless_named() -> None:
     assert controller().model == PRPArm(NOMINAL)
 
 
-def test_link_is_controlled_by_the_same_law() -> None:
+def test_link_is_controlled_by_the_same_controller() -> None:
     pendulum = JointInverseDynamicsController(LINK_INTERFACE, JointInverseDynamicsSettings(7.0, 2.0))
     torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 1.1]))
     y = 1.1 + 2.0 * 1.2 + 7.0 * 0.3

@@ -1,4 +1,4 @@
-"""Joint PD: the law against its formula, its gravity modes, and the energy that it takes out."""
+"""Joint-space PD: torques against the formula, gravity modes, and dissipated energy."""
 
 from collections.abc import Callable
 from typing import Any
@@ -150,7 +150,7 @@ def test_reference_may_come_from_operational_space() -> None:
     np.testing.assert_allclose(torque, controller().torque(given), rtol=1e-10, atol=1e-9)
 
 
-def test_link_is_controlled_by_the_same_law() -> None:
+def test_link_is_controlled_by_the_same_controller() -> None:
     pendulum = JointPDController(LINK_INTERFACE, JointPDSettings(7.0, 2.0))
     torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 0.0]))
     assert torque == pytest.approx(1.85 * np.sin(0.3) + 7.0 * 0.3 + 2.0 * 1.2, rel=1e-13)

@@ -1,4 +1,4 @@
-"""What all laws of the arm do alike: batches, singular places, random moves with the tuned gains."""
+"""Behaviour that all controllers of the arm share: batches, singular poses, random moves with tuned gains."""
 
 from typing import Any
 
@@ -31,7 +31,7 @@ from tests.support.pinocchio_model import PinocchioArm
 Array = NDArray[np.float64]
 
 OPERATIONAL = ("operational_pd", "operational_inverse_dynamics", "compliance", "impedance")
-LAWS = ("joint_pd", "joint_inverse_dynamics", "adaptive", *OPERATIONAL)
+ARM_CONTROLLERS = ("joint_pd", "joint_inverse_dynamics", "adaptive", *OPERATIONAL)
 MOVERS = ("adaptive", *OPERATIONAL)
 
 
@@ -42,7 +42,7 @@ def make(name: str, gains: str = "tuned") -> Baseline[Any]:
     return controller.policy(POSE_INTERFACE, controller.settings_class.from_mapping(name, settings))
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", ARM_CONTROLLERS)
 def test_batch_gives_the_torques_of_each(name: str) -> None:
     controller, given = make(name), random_pose_observation(PinocchioArm(), 1, 10)
     torques, after = controller.control(given, controller.initial_state(given))
@@ -55,7 +55,7 @@ def test_batch_gives_the_torques_of_each(name: str) -> None:
             np.testing.assert_allclose(one, many[index], rtol=1e-12, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", ARM_CONTROLLERS)
 def test_leading_dimensions_may_be_several(name: str) -> None:
     controller, given = make(name), random_pose_observation(PinocchioArm(), 2, 6)
     flat, _ = controller.control(given, controller.initial_state(given))
@@ -64,7 +64,7 @@ def test_leading_dimensions_may_be_several(name: str) -> None:
     np.testing.assert_allclose(torque.reshape(6, 3), flat, rtol=1e-12, atol=1e-12 * np.abs(flat).max())
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", ARM_CONTROLLERS)
 def test_observation_is_left_as_it_was(name: str) -> None:
     controller, given = make(name), random_pose_observation(PinocchioArm(), 3, 4)
     for values in given.values():
@@ -72,8 +72,8 @@ def test_observation_is_left_as_it_was(name: str) -> None:
     controller.control(given, controller.initial_state(given))
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_slow_path_through_both_singular_places_is_followed_smoothly(name: str) -> None:
+@pytest.mark.parametrize("name", ARM_CONTROLLERS)
+def test_slow_path_through_both_singular_poses_is_followed_smoothly(name: str) -> None:
     start, goal = (-0.3, -0.05, 1.0), (0.3, -0.15, 2.9)
     run = simulate(make(name), start, quintic(start, goal, 2.0), 3.0)
     q = run.joint_position[:, 0]

@@ -1,4 +1,4 @@
-"""Operational-space inverse dynamics: the law against Pinocchio, its error dynamics, and contact."""
+"""Operational-space inverse dynamics: torques against Pinocchio, error dynamics, and contact."""
 
 from typing import Any
 
@@ -99,7 +99,7 @@ def test_error_along_the_slide_decays_as_a_second_order_system() -> None:
     np.testing.assert_allclose(np.delete(run.pose_error[:, 0], 1, axis=1), 0.0, atol=1e-6)
 
 
-def test_small_error_decays_alike_on_every_axis_from_any_place() -> None:
+def test_small_error_decays_alike_on_every_axis_from_any_pose() -> None:
     generator = np.random.default_rng(5)
     goal = generator.uniform([-2.9, -0.28, -2.9], [2.9, -0.02, 2.9], (8, 3))
     start = goal + 1e-3 * generator.uniform(-1.0, 1.0, (8, 3))
@@ -112,7 +112,7 @@ def test_small_error_decays_alike_on_every_axis_from_any_place() -> None:
     np.testing.assert_allclose(run.pose_error, expected, atol=2e-5)
 
 
-def test_reference_through_both_singular_places_is_followed() -> None:
+def test_reference_through_both_singular_poses_is_followed() -> None:
     start, goal = (-0.5, -0.05, 1.0), (0.8, -0.15, 2.9)
     run = simulate(
         controller(proportional_gain=400.0, derivative_gain=40.0), start, quintic(start, goal, 1.5), 2.0
@@ -125,7 +125,7 @@ def test_reference_through_both_singular_places_is_followed() -> None:
     np.testing.assert_allclose(run.joint_error, 0.0, atol=2e-3)
 
 
-def test_held_against_a_wall_only_the_compensated_law_loses_no_ground() -> None:
+def test_only_force_compensation_keeps_the_reference_against_a_wall() -> None:
     depth, wall = 0.01, Wall(100.0, offset=-0.35)
     goal = (0.0, -0.2, 0.0)  # y = -0.34
     gains = {"proportional_gain": 100.0, "derivative_gain": 20.0}

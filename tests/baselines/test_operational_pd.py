@@ -1,4 +1,4 @@
-"""Operational-space PD: the law against its formula, the energy that it takes out, and its steady error."""
+"""Operational-space PD: torques against the formula, dissipated energy, and steady-state error."""
 
 from typing import Any
 
@@ -44,7 +44,7 @@ def test_torque_is_gravity_and_springs_and_dampers_at_the_tip(
     np.testing.assert_allclose(torque, expected, rtol=ROUNDING, atol=ROUNDING)
 
 
-def test_constant_reference_gives_the_law_of_the_report() -> None:
+def test_constant_reference_gives_the_controller_of_the_report() -> None:
     oracle = PinocchioArm()
     given = random_pose_observation(oracle, 2, 20)
     given["desired_velocity"] = np.zeros((20, 6))

@@ -1,4 +1,4 @@
-"""What all laws share: their interface to environments, their settings, and Stable-Baselines3's `predict`."""
+"""What all controllers share: the interface to environments, settings, and Stable-Baselines3's `predict`."""
 
 import pickle
 from collections.abc import Callable, Iterator, Mapping
@@ -47,8 +47,8 @@ def make(environment_id: str, **options: Any) -> Env:
 
 
 @pytest.fixture(params=COVERING, ids="-".join)
-def pair(request: pytest.FixtureRequest) -> Iterator[tuple[Env, Baseline[Any]]]:
-    """Every law on every kind of environment that it distinguishes."""
+def env_and_policy(request: pytest.FixtureRequest) -> Iterator[tuple[Env, Baseline[Any]]]:
+    """Every controller on every kind of environment that it distinguishes."""
     environment_id, controller = request.param
     env = make(environment_id)
     yield env, make_baseline(controller, env)
@@ -82,7 +82,7 @@ class HoldSettings(Settings):
 
 
 class Hold(StaticBaseline[HoldSettings]):
-    """A law that reads one field and always asks for the same torque."""
+    """A controller that reads one field and always commands the same torque."""
 
     name = "hold"
     summary = "constant torque"
@@ -94,12 +94,12 @@ class Hold(StaticBaseline[HoldSettings]):
         return torque
 
 
-def test_every_environment_has_a_law_and_every_law_an_environment() -> None:
+def test_every_environment_has_a_controller_and_every_controller_an_environment() -> None:
     assert {name for name, _ in COMBINATIONS} == set(prp_gym.list_envs())
     assert {controller for _, controller in COMBINATIONS} == set(BASELINES)
 
 
-def test_interface_holds_what_a_law_may_know(env: Env) -> None:
+def test_interface_holds_what_a_controller_may_know(env: Env) -> None:
     interface = ControlInterface.of(env)
     assert interface.environment_id == "PRP-JointTracking-v0"
     assert interface.layout == env.get_wrapper_attr("observation_layout")
@@ -151,29 +151,29 @@ def test_missing_field_is_named_before_anything_runs(env: Env) -> None:
             assert caught.value.available == reduced.names
 
 
-def test_fields_that_a_law_reads_are_those_it_declares_a_reference_and_a_force_where_one_is_desired(
-    pair: tuple[Env, Baseline[Any]],
+def test_controller_reads_its_declared_fields_a_reference_and_a_force_where_one_is_desired(
+    env_and_policy: tuple[Env, Baseline[Any]],
 ) -> None:
-    env, policy = pair
+    env, policy = env_and_policy
     read = fields_read(policy, observations(env, 1, 4))
     reference = {name for fields in REFERENCE_FIELDS for name in fields}
     declared = set(policy.measured_fields)
     assert declared <= read
-    by_the_task, by_whoever_steers = (
+    of_the_task, of_action_modes = (
         {"desired_force"},
         {"force_offset", "approach_speed_factor", "bandwidth_factor"},
     )
-    asked_of_forces = by_the_task | by_whoever_steers
-    assert read - declared - reference <= (asked_of_forces if isinstance(policy, ForceLoop) else set())
+    force_fields = of_the_task | of_action_modes
+    assert read - declared - reference <= (force_fields if isinstance(policy, ForceLoop) else set())
 
 
-def test_fields_that_a_law_does_not_read_may_be_absent_and_the_others_lie_anywhere(
-    pair: tuple[Env, Baseline[Any]],
+def test_unread_fields_may_be_absent_and_read_fields_may_be_in_any_order(
+    env_and_policy: tuple[Env, Baseline[Any]],
 ) -> None:
-    env, policy = pair
+    env, policy = env_and_policy
     layout, interface = policy.interface.layout, policy.interface
     read = fields_read(policy, observations(env, 1, 4))
-    # a law is only made where there is a reference, though it may keep to the pose of its start
+    # making a controller requires a reference, even if it holds its initial pose
     read |= {name for fields in REFERENCE_FIELDS for name in fields}
     kept = [field for field in reversed(layout.fields) if field.name in read]
     smaller = replace(interface, layout=ObservationLayout(kept))
@@ -192,8 +192,8 @@ def test_action_is_torque_over_its_limit_within_one(env: Env) -> None:
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e4])
-def test_action_lies_in_the_action_space(pair: tuple[Env, Baseline[Any]], scale: float) -> None:
-    env, policy = pair
+def test_action_lies_in_the_action_space(env_and_policy: tuple[Env, Baseline[Any]], scale: float) -> None:
+    env, policy = env_and_policy
     for observation in scale * observations(env, 3, 20):
         torque = torques_of(policy, observation)
         action, _ = policy.predict(observation)
@@ -204,8 +204,8 @@ def test_action_lies_in_the_action_space(pair: tuple[Env, Baseline[Any]], scale:
         np.testing.assert_allclose(action, limited / policy.interface.torque_limit, rtol=1e-6)
 
 
-def test_batch_of_observations_gives_the_actions_of_each(pair: tuple[Env, Baseline[Any]]) -> None:
-    env, policy = pair
+def test_batch_of_observations_gives_the_actions_of_each(env_and_policy: tuple[Env, Baseline[Any]]) -> None:
+    env, policy = env_and_policy
     batch = observations(env, 4, 16)
     together, _ = policy.predict(batch)
     torques = torques_of(policy, batch)
@@ -220,8 +220,8 @@ def test_batch_of_observations_gives_the_actions_of_each(pair: tuple[Env, Baseli
         np.testing.assert_allclose(single, torques[row], rtol=ROUNDING, atol=ROUNDING * np.abs(torques).max())
 
 
-def test_first_actions_do_not_depend_on_flags(pair: tuple[Env, Baseline[Any]]) -> None:
-    env, policy = pair
+def test_first_actions_do_not_depend_on_flags(env_and_policy: tuple[Env, Baseline[Any]]) -> None:
+    env, policy = env_and_policy
     batch = observations(env, 5, 2)
     expected, _ = policy.predict(batch)
     flags = np.array([True, False])
@@ -229,8 +229,8 @@ def test_first_actions_do_not_depend_on_flags(pair: tuple[Env, Baseline[Any]]) -
     np.testing.assert_array_equal(action, expected)
 
 
-def test_observation_is_left_as_it_was_and_may_be_a_list(pair: tuple[Env, Baseline[Any]]) -> None:
-    env, policy = pair
+def test_observation_is_left_as_it_was_and_may_be_a_list(env_and_policy: tuple[Env, Baseline[Any]]) -> None:
+    env, policy = env_and_policy
     observation = observations(env, 6, 1)[0]
     observation.flags.writeable = False
     from_list, _ = policy.predict(observation.tolist())
@@ -239,15 +239,17 @@ def test_observation_is_left_as_it_was_and_may_be_a_list(pair: tuple[Env, Baseli
 
 @pytest.mark.parametrize("change", [lambda size: size - 1, lambda size: size + 1, lambda size: 0])
 def test_observation_of_another_size_is_refused(
-    pair: tuple[Env, Baseline[Any]], change: Callable[[int], int]
+    env_and_policy: tuple[Env, Baseline[Any]], change: Callable[[int], int]
 ) -> None:
-    _, policy = pair
+    _, policy = env_and_policy
     with pytest.raises(ShapeError, match="observation has shape"):
         policy.predict(np.zeros(change(policy.interface.layout.size)))
 
 
-def test_observation_of_a_wrapper_that_changes_it_is_refused(pair: tuple[Env, Baseline[Any]]) -> None:
-    env, policy = pair
+def test_observation_of_a_wrapper_that_changes_it_is_refused(
+    env_and_policy: tuple[Env, Baseline[Any]],
+) -> None:
+    env, policy = env_and_policy
     flattened = gymnasium.wrappers.FlattenObservation(FrameStackObservation(env, 3))
     observation, _ = flattened.reset(seed=0)
     with pytest.raises(ShapeError) as caught:
@@ -255,8 +257,8 @@ def test_observation_of_a_wrapper_that_changes_it_is_refused(pair: tuple[Env, Ba
     assert caught.value.shape == (3 * policy.interface.layout.size,)
 
 
-def test_policy_survives_the_way_between_processes(pair: tuple[Env, Baseline[Any]]) -> None:
-    env, policy = pair
+def test_policy_survives_pickling(env_and_policy: tuple[Env, Baseline[Any]]) -> None:
+    env, policy = env_and_policy
     batch = observations(env, 7, 4)
     back = pickle.loads(pickle.dumps(policy))
     np.testing.assert_array_equal(back.predict(batch)[0], policy.predict(batch)[0])

@@ -1,4 +1,4 @@
-"""What a law remembers: its state in `predict`, over episodes, batches, and saturated actuators."""
+"""The state of stateful controllers in `predict`, over episodes, batches, and saturated actuators."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -116,7 +116,7 @@ def test_given_state_is_left_as_it_was() -> None:
         (np.zeros((2, 3)), np.zeros((2, 1)), np.zeros((2, 1))),
     ],
 )
-def test_state_of_another_batch_or_law_is_refused(state: Any) -> None:
+def test_state_of_another_batch_or_controller_is_refused(state: Any) -> None:
     with pytest.raises(ShapeError, match="state has shape"):
         count().predict(observations(1.0, 2.0), state)
 
@@ -161,7 +161,7 @@ def test_full_torque_is_not_beyond_the_limit() -> None:
     assert parts(state) == ([3.0], [2.0])
 
 
-def test_law_without_memory_has_no_state() -> None:
+def test_stateless_controller_has_no_state() -> None:
     controller = JointPDController(INTERFACE, JointPDSettings(1.0, 1.0))
     observation = observations(1.0, 2.0)
     action, state = controller.predict(observation, None, np.array([True, False]))
@@ -171,7 +171,7 @@ def test_law_without_memory_has_no_state() -> None:
         controller.predict(observation, (np.zeros((2, 1)),))
 
 
-def test_model_of_the_law_is_the_nominal_one_or_its_own() -> None:
+def test_model_of_the_controller_is_the_nominal_one_or_its_own() -> None:
     heavy = NOMINAL.with_masses((2.0, 1.0, 1.0))
     assert JointPDController(INTERFACE, JointPDSettings(1.0, 1.0)).model == PRPArm()
     assert JointPDController(INTERFACE, JointPDSettings(1.0, 1.0, model=heavy)).model == PRPArm(heavy)

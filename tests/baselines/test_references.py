@@ -1,4 +1,4 @@
-"""The reference of an observation in the space that a law asks for, whichever space it is given in."""
+"""The reference of an observation in the space that a controller needs, whichever space it is given in."""
 
 import numpy as np
 

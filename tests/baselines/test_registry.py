@@ -1,4 +1,4 @@
-"""The laws by name, and policies made of them for an environment."""
+"""Controllers by name, and the policies that are made of them for an environment."""
 
 from collections.abc import Iterator
 from dataclasses import fields
@@ -33,7 +33,7 @@ def env(request: pytest.FixtureRequest) -> Iterator[Env]:
     made.close()
 
 
-def test_laws_are_listed_under_their_own_names() -> None:
+def test_controllers_are_listed_under_their_own_names() -> None:
     assert list_baselines() == list(BASELINES)
     for name, spec in BASELINES.items():
         assert spec.name == name
@@ -45,13 +45,13 @@ def test_list_is_the_caller_s_own() -> None:
     assert list_baselines() == list(BASELINES)
 
 
-def test_every_law_says_in_one_line_what_it_is() -> None:
+def test_every_controller_has_a_one_line_summary() -> None:
     summaries = [controller.summary for controller in BASELINES.values()]
     assert len(set(summaries)) == len(summaries)
     assert all(summary and "\n" not in summary for summary in summaries)
 
 
-def test_every_listed_law_runs(env: Env) -> None:
+def test_every_listed_controller_runs(env: Env) -> None:
     observation, _ = env.reset(seed=2)
     names = list_baselines(env.get_wrapper_attr("observation_layout"))
     assert [type(make_baseline(name, env)) for name in names] == [BASELINES[name].policy for name in names]
@@ -60,7 +60,7 @@ def test_every_listed_law_runs(env: Env) -> None:
         assert float(reward) > 0.0
 
 
-def test_law_is_listed_only_where_all_its_fields_are_observed(env: Env) -> None:
+def test_controller_is_listed_only_where_all_its_fields_are_observed(env: Env) -> None:
     layout: ObservationLayout = env.get_wrapper_attr("observation_layout")
     for absent in layout.names:
         reduced = ObservationLayout([field for field in layout.fields if field.name != absent])
@@ -73,7 +73,7 @@ def test_law_is_listed_only_where_all_its_fields_are_observed(env: Env) -> None:
         assert list_baselines(reduced) == [name for name in list_baselines(layout) if name not in readers]
 
 
-def test_no_law_runs_without_a_reference() -> None:
+def test_no_controller_runs_without_a_reference() -> None:
     assert list_baselines(ObservationLayout(MEASURED_FIELDS)) == []
 
 
@@ -113,7 +113,9 @@ def test_override_replaces_one_setting_and_leaves_the_others(env: Env) -> None:
 
 
 @each
-def test_misspelt_law_gets_the_nearest_name_and_all_valid_ones(environment_id: str, controller: str) -> None:
+def test_misspelt_controller_gets_the_nearest_name_and_all_valid_ones(
+    environment_id: str, controller: str
+) -> None:
     with pytest.raises(UnknownNameError, match=f"Did you mean '{controller}'") as caught:
         make_baseline(controller[:-1], environment(environment_id))
     assert caught.value.kind == "baseline"

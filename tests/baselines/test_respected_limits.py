@@ -45,7 +45,7 @@ def at_limits(seed: int, count: int) -> Observed:
     given["end_effector_pose"] = np.array([oracle_pose(ARM, row) for row in q])
     rates = [oracle_jacobian(ARM, row) @ speed for row, speed in zip(q, velocity, strict=True)]
     given["end_effector_velocity"] = np.array(rates)
-    for row in range(5):  # all joints at a limit, and asked to go beyond it
+    for row in range(5):  # all joints at a limit, with a demand beyond it
         outward = np.where(q[row] < (LOWER + UPPER) / 2, -1.0, 1.0) * draw.uniform(1.0, 5.0, 3)
         jacobian, wanted = demand(given, row)
         given["desired_acceleration"][row] += jacobian @ outward - wanted
@@ -53,7 +53,7 @@ def at_limits(seed: int, count: int) -> Observed:
 
 
 def demand(given: Observed, row: int) -> tuple[Array, Array]:
-    """J_A and the pose acceleration that is wanted of it, less J̇_A q̇, of a row."""
+    """J_A and the demanded pose acceleration less J̇_A q̇, of one row."""
     q, velocity = given["joint_position"][row], given["joint_velocity"][row]
     wanted = (
         given["desired_acceleration"][row]
@@ -110,7 +110,7 @@ def test_torque_of_a_row_does_not_depend_on_its_neighbours(damping: float) -> No
     for row in range(60):
         alone = policy.torque({name: values[row : row + 1] for name, values in given.items()})
         np.testing.assert_array_equal(alone[0], together[row])
-    # next to a row that is free, and next to one that presses with all that it has
+    # beside a row without a blocked joint, and beside one in which all joints are blocked
     for row, other in product(range(0, 60, 7), (pressed.index(0), pressed.index(3))):
-        pair = policy.torque({name: values[[other, row]] for name, values in given.items()})
-        np.testing.assert_array_equal(pair[1], together[row])
+        two_rows = policy.torque({name: values[[other, row]] for name, values in given.items()})
+        np.testing.assert_array_equal(two_rows[1], together[row])

@@ -1,4 +1,4 @@
-"""A law's numbers: what they may be, and how they get the size of the robot."""
+"""Settings of a controller: allowed values, and how vectors get the size of the robot."""
 
 from dataclasses import FrozenInstanceError, dataclass
 from typing import Any, ClassVar

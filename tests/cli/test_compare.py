@@ -90,7 +90,7 @@ def run(folder: Path, *options: str) -> tuple[dict[str, Any], str, str]:
     return content, result.stdout, " ".join(result.stderr.split())
 
 
-def test_comparison_runs_every_policy_and_writes_results_and_pictures(tmp_path: Path) -> None:
+def test_comparison_runs_every_policy_and_writes_results_and_figures(tmp_path: Path) -> None:
     content, output, error = run(tmp_path / "out")
     assert error == ""
     files = {path.name for path in (tmp_path / "out").iterdir()}

@@ -66,13 +66,13 @@ def test_model_alone_is_taken_as_trained_without_normaliser(
     assert policy.card.seed == 4
 
 
-@pytest.mark.parametrize("place", ["model", "normalizer"])
+@pytest.mark.parametrize("pickled_file", ["model", "normalizer"])
 def test_file_is_opened_only_if_trusted(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
     files: tuple[Trained, Path, Path],
-    place: str,
+    pickled_file: str,
 ) -> None:
     _, model, scale = files
     marker = tmp_path / "marker"
@@ -86,13 +86,13 @@ def test_file_is_opened_only_if_trusted(
         "--normalizer",
         str(scale),
     ]
-    if place == "model":
+    if pickled_file == "model":
         model.write_bytes(scale.read_bytes())
     message = refusal(capsys, monkeypatch, *options)
     assert "only with --trust, as such files run code" in message
     assert not marker.exists()
     refusal(capsys, monkeypatch, *options, "--trust")
-    assert marker.exists() == (place == "normalizer")  # a model that is no zip is not even unpickled
+    assert marker.exists() == (pickled_file == "normalizer")  # a model that is no zip is not even unpickled
     assert not (tmp_path / "agent.json").exists()
 
 

@@ -56,7 +56,7 @@ def summary_of(folder: Path) -> dict[str, Any]:
     return content
 
 
-def test_reproduction_leaves_a_picture_and_its_data_for_each_figure(
+def test_reproduction_writes_an_image_and_a_data_file_for_each_figure(
     reproduced: tuple[Path, int, str],
 ) -> None:
     folder, code, _ = reproduced
@@ -66,7 +66,7 @@ def test_reproduction_leaves_a_picture_and_its_data_for_each_figure(
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_picture_is_legible_and_not_empty(reproduced: tuple[Path, int, str], name: str) -> None:
+def test_figure_is_legible_and_not_empty(reproduced: tuple[Path, int, str], name: str) -> None:
     with Image.open(reproduced[0] / f"{name}.png") as frame:
         assert frame.size == (1000, 700)
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)

@@ -182,7 +182,7 @@ def test_score_on_the_card_is_the_mean_of_the_middle_half_of_the_episodes(
     assert (score.episodes, score.seed) == (EPISODES, 0)
 
 
-def test_only_what_changed_is_written_whoever_evaluates(
+def test_only_changed_agents_are_written_also_with_parallel_workers(
     lists: list[str], runs: Path, shipped: Path, tmp_path: Path
 ) -> None:
     output = tmp_path / "trained"

@@ -117,9 +117,9 @@ acceleration = np.linalg.solve(arm.inertia_matrix(q), effort[..., None])[..., 0]
 rate = fields["desired_joint_velocity"] - v
 sliding = rate + settings.slope * (fields["desired_joint_position"] - q)
 change = fields["desired_joint_acceleration"] - acceleration + settings.slope * rate
-law = -settings.reaching_gain * np.clip(sliding / settings.boundary_layer, -1, 1)
+reaching = -settings.reaching_gain * np.clip(sliding / settings.boundary_layer, -1, 1)
 outside = int((np.abs(sliding) > settings.boundary_layer).sum())
-print(json.dumps([float(np.abs(change - law).max()), outside]))
+print(json.dumps([float(np.abs(change - reaching).max()), outside]))
 """
 
 

@@ -114,9 +114,9 @@ def test_damaged_or_foreign_file_is_not_reused(tmp_path: Path, damage: str) -> N
 
 
 def test_folder_in_the_place_of_a_file_is_not_reused(tmp_path: Path) -> None:
-    place = tmp_path / f"{JOB.name}.json"
-    place.mkdir()
-    assert JobStore(tmp_path).find([JOB]) == ({}, [place])
+    occupied = tmp_path / f"{JOB.name}.json"
+    occupied.mkdir()
+    assert JobStore(tmp_path).find([JOB]) == ({}, [occupied])
 
 
 def half_written(folder: Path, process: int) -> Path:

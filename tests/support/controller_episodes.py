@@ -22,7 +22,7 @@ def make(environment_id: str, **options: Any) -> Any:
 
 @cache
 def environment(environment_id: str) -> Any:
-    """One that is only looked at, for whoever asks."""
+    """A shared environment that callers inspect but never step."""
     return make(environment_id)
 
 
@@ -46,7 +46,7 @@ COMBINATIONS = [(name, controller) for name in prp_gym.list_envs() for controlle
 
 
 class Watched(dict[str, Array]):
-    """Fields by name that remember which of them were read."""
+    """Fields by name that record which of them were read."""
 
     def __init__(self, fields: Mapping[str, Array]) -> None:
         super().__init__(fields)

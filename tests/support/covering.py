@@ -41,9 +41,9 @@ def by_turns(
     """Every row with every column, and one of the choices each, so that every column has all of them.
 
     Args:
-        rows: at least as many as there are choices.
-        columns: with which each is combined.
-        choices: of which each combination takes the next.
+        rows: first members; at least as many as there are choices.
+        columns: second members, with which each row is combined.
+        choices: third members; each combination takes the next one.
     """
     return [
         (first, second, choices[(row + column) % len(choices)])

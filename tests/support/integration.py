@@ -12,9 +12,9 @@ def runge_kutta(slope: Callable[[float, Array], Array], state: Array, step: floa
 
     Args:
         slope: time derivative at a time [s] and a state.
-        state: at time 0, any shape.
-        step: [s].
-        count: steps.
+        state: state at time 0, of any shape.
+        step: integration step [s].
+        count: number of steps.
 
     Returns:
         (count + 1, ...): the states, the first included.

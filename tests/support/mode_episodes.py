@@ -26,7 +26,7 @@ def made(environment_id: str, mode: str = TORQUE, **keywords: Any) -> PRPEnv:
 
 @cache
 def environment(environment_id: str) -> PRPEnv:
-    """One that is only looked at, for whoever asks."""
+    """A shared environment that callers inspect but never step."""
     return made(environment_id)
 
 
@@ -55,8 +55,8 @@ def way_of(combination: tuple[str, str]) -> Hashable:
         return kind_of(combination)
     env = environment(environment_id)
     policy = make_baseline(controller_of(mode), env)
-    remembers = policy.predict(np.zeros(env.observation_layout.size))[1] is not None
-    return remembers, type(env.arm)
+    stateful = policy.predict(np.zeros(env.observation_layout.size))[1] is not None
+    return stateful, type(env.arm)
 
 
 COMBINATIONS = [(name, mode) for name in prp_gym.list_envs() for mode in modes_of(name)]

@@ -70,7 +70,7 @@ def assert_same_episodes(ours: VecEnv, theirs: VecEnv, actions: Sequence[NDArray
     return steps
 
 
-def assert_same_results(pair: Sequence[VecEnv], call: Callable[[Any], Any], where: str) -> None:
-    """What a call returns of both is equal to the last bit."""
-    ours, theirs = (call(env) for env in pair)
+def assert_same_results(environments: Sequence[VecEnv], call: Callable[[Any], Any], where: str) -> None:
+    """Assert that a call returns the same bits for both environments."""
+    ours, theirs = (call(env) for env in environments)
     assert_same(ours, theirs, where)

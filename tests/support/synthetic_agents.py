@@ -101,9 +101,9 @@ class Trained:
     """What a training with Stable-Baselines3 ends with.
 
     Attributes:
-        model: with random weights.
-        wrapper: its VecNormalize, with statistics, epsilon and clip that are not the usual ones.
-        features: that training gave the model.
+        model: Stable-Baselines3 model with random weights.
+        wrapper: VecNormalize of the model, with statistics, epsilon and clip other than the defaults.
+        features: function that maps observations to the inputs of the model in training.
     """
 
     model: Any

@@ -31,10 +31,10 @@ def save(
 
     Args:
         stem: the path without suffix.
-        seed: of the training, and of the network's random numbers unless `network` is.
-        environment_id: of the agent.
+        seed: seed of the training, and of the network's random numbers unless `network` is given.
+        environment_id: id of the agent's environment.
         network: seed of the network's random numbers.
-        keywords: of the environment, where they are not `KEYWORDS`.
+        keywords: keywords of the environment that differ from `KEYWORDS`.
     """
     policy = synthetic_policy(
         seed=seed if network is None else network,

@@ -1,4 +1,4 @@
-"""What tuning may change: declared for every law wherever it runs, around its tuned settings."""
+"""Search spaces: every controller has one on every environment where it runs, around its tuned settings."""
 
 from collections.abc import Iterator
 from contextlib import closing
@@ -35,7 +35,7 @@ def corners(space: SearchSpace) -> Iterator[dict[str, float]]:
         yield from ({**low, item.name: item.high}, {**high, item.name: item.low})
 
 
-def test_every_law_has_a_place_and_every_place_a_law() -> None:
+def test_every_controller_has_an_environment_and_every_environment_a_controller() -> None:
     assert {controller for _, controller in COMBINATIONS} == set(BASELINES)
     assert {name for name, _ in COMBINATIONS} == set(list_envs())
 
@@ -55,7 +55,7 @@ def test_centre_is_the_tuned_set_exactly(controller: str, environment_id: str) -
 
 
 @pytest.mark.parametrize(("environment_id", "controller"), COMBINATIONS, ids=map("-".join, COMBINATIONS))
-def test_every_corner_is_a_law_with_finite_actions(controller: str, environment_id: str) -> None:
+def test_every_corner_gives_a_controller_with_finite_actions(controller: str, environment_id: str) -> None:
     env, space = environment(environment_id), space_of(controller, environment_id)
     observation, _ = env.reset(seed=1)
     for factors in corners(space):
@@ -125,7 +125,7 @@ def test_adaptation_moves_masses_and_frictions_apart() -> None:
     ]
 
 
-def test_what_a_task_asks_for_is_the_centre_of_what_is_rendered() -> None:
+def test_target_impedance_of_the_task_is_the_centre_of_the_search() -> None:
     env = environment("PRP-Compliance-v0")
     target_impedance = env.unwrapped.task.target_impedance["stiffness"]
     space = space_of("admittance", "PRP-Compliance-v0")
@@ -144,7 +144,7 @@ def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> Non
         np.testing.assert_array_equal(vars(centre)["proportional_gain"], expected)
 
 
-def test_law_that_does_not_exist_is_refused() -> None:
+def test_controller_that_does_not_exist_is_refused() -> None:
     task = TuningTask("PRP-JointTracking-v0", "joint_pid", "randomized", 500.0, 10_000)
     with pytest.raises(UnknownNameError, match=r"unknown baseline 'joint_pid'\. Did you mean 'joint_pd'"):
         make_candidates(task, environment(task.environment_id))
