@@ -8,10 +8,12 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.options import Plugins
 from prp_gym.envs.action_mode import TORQUE
+from prp_gym.evaluation.metrics import METRICS
 from prp_gym.runs.terminal import make_console, make_matrix
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
@@ -26,11 +28,15 @@ def list_command(
     modes: Annotated[
         bool, typer.Option("--modes", help="Show the action modes and their environments.")
     ] = False,
+    algorithms: Annotated[bool, typer.Option("--algorithms", help="Show the learning algorithms.")] = False,
+    metrics: Annotated[
+        bool, typer.Option("--metrics", help="Show the metrics with their units and definitions.")
+    ] = False,
     plugin: Plugins = None,
 ) -> None:
-    """Show environments, controllers and scenarios; which controller runs where; or the action modes."""
+    """Show environments, controllers and scenarios, or what the options name."""
     console = make_console()
-    layouts = _layouts()
+    layouts = _layouts() if matrix or modes or not (algorithms or metrics) else {}
     if matrix:
         for table in _matrix(layouts):
             console.print(table)
@@ -38,7 +44,11 @@ def list_command(
             console.print(reason)
     if modes:
         console.print(_modes(layouts))
-    if not (matrix or modes):
+    if algorithms:
+        console.print(_algorithms())
+    if metrics:
+        console.print(_metrics())
+    if not (matrix or modes or algorithms or metrics):
         for table in (_environments(layouts), _controllers()):
             console.print(table)
         console.print(f"scenarios: {', '.join(SCENARIOS)}")
@@ -84,6 +94,20 @@ def _modes(layouts: dict[str, ObservationLayout]) -> Table:
         shown = "all" if len(conditions) == len(where) else ", ".join(conditions)
         shown = f"where {ANY_CONTROLLER} runs" if spec.is_family else shown
         table.add_row(spec.label, spec.entry.controller, spec.summary, shown)
+    return table
+
+
+def _algorithms() -> Table:
+    table = _table("learning algorithms", ("algorithm", "summary", "class"))
+    for name, spec in ALGORITHMS.items():
+        table.add_row(name, spec.summary, f"{spec.entry.package}.{spec.entry.class_name}")
+    return table
+
+
+def _metrics() -> Table:
+    table = _table("metrics", ("metric", "units", "definition"))
+    for name, metric in METRICS.items():
+        table.add_row(name, ", ".join(metric.units), metric.definition)
     return table
 
 

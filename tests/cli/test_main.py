@@ -11,9 +11,11 @@ from typer.testing import CliRunner
 
 from prp_gym import list_envs
 from prp_gym.action_modes import ACTION_MODES
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.baselines import BASELINES, list_baselines
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
+from prp_gym.evaluation.metrics import METRICS
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
 from tests.cli.test_evaluate_output import COMMON_SETS, WIDTH, results_of
@@ -54,6 +56,24 @@ def test_list_of_modes_names_them_all_with_their_inner_controllers() -> None:
     }  # not folded lines
     assert found == {n: spec.entry.controller for n, spec in ACTION_MODES.items() if not spec.is_family}
     assert "residual:<controller>" in result.output
+
+
+def test_list_of_algorithms_names_them_all_with_their_classes() -> None:
+    result = RUNNER.invoke(app, ["list", "--algorithms"])
+    assert result.exit_code == 0
+    rows = [line.split() for line in plain(result.output).splitlines() if line.strip()]
+    found = {row[0]: row[-1] for row in rows if row[0] in ALGORITHMS}
+    assert found == {n: f"{s.entry.package}.{s.entry.class_name}" for n, s in ALGORITHMS.items()}
+
+
+def test_list_of_metrics_names_them_all_with_their_definitions() -> None:
+    result = RUNNER.invoke(app, ["list", "--metrics"])
+    assert result.exit_code == 0
+    lines = plain(result.output).splitlines()
+    starts = [(number, line.split()[0]) for number, line in enumerate(lines) if line[1:2].strip()]
+    words = set(result.output.split())
+    assert [name for _, name in starts if name in METRICS] == list(METRICS)
+    assert all(set(metric.definition.split()) <= words for metric in METRICS.values())
 
 
 WRONG_NAMES = [
