@@ -92,7 +92,7 @@ def locate(defect: Defect, root: Path = ROOT) -> Path:
     found = [(file, _count(file, defect.old)) for file in files_of(defect.package, root)]
     total = sum(count for _, count in found)
     if total != 1:
-        what = f"number of places in {defect.package} with the old text of defect {defect.name!r}"
+        what = f"number of passages in {defect.package} with the old text of defect {defect.name!r}"
         raise InvalidValueError(what, total, "1")
     return next(file for file, count in found if count)
 

@@ -14,7 +14,7 @@ from tests.support.synthetic_mode import LATE
 
 @pytest.fixture(scope="session")
 def drawing() -> None:
-    """Skip where no picture can be drawn, unless that must not be."""
+    """Skip where no frame can be rendered, unless that must not be."""
     try:
         OffscreenRenderer(Physics().model(), 64, 64, "top").close()
     except (RenderingError, ImportError) as error:

@@ -257,7 +257,7 @@ def test_recorder_keeps_only_named_states_and_refuses_those_that_do_not_exist() 
 
 def test_run_has_the_settings_that_it_declares() -> None:
     goal = [0.1, -0.1, 0.2]
-    run = replace(CATALOGUE.runs["wrong_masses"], duration=0.01, seed=3)
+    run = replace(CATALOGUE.runs["link_mass_errors"], duration=0.01, seed=3)
     at_goal = record_run(replace(run, keywords={"reference": "constant"}, options={"goal": goal})).rollout
     np.testing.assert_array_equal(at_goal.fields["desired_joint_position"][-1], goal)
     recorded = record_run(replace(run, unlimited_torque=True))
