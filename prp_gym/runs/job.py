@@ -89,7 +89,7 @@ def make_record(
         evaluation: evaluation of the policy.
         policy: name of the policy.
         settings: settings of the policy.
-        revisions: behaviour revisions of what the evaluation depends on besides the task: the controller, or the
+        revisions: behaviour revisions of what the evaluation depends on beside the task: controller or
             task on which an agent was trained.
     """
     described = describe_evaluation(evaluation, policy, settings)
