@@ -92,7 +92,8 @@ def test_environment_has_the_modes_that_its_observations_serve_and_no_others(env
 
 
 def test_modes_are_torque_nine_and_a_residual_of_every_controller() -> None:
-    assert list_action_modes() == [
+    modes = list_action_modes()
+    assert modes[:10] == [
         "torque",
         "joint_position",
         "joint_inverse_dynamics",
@@ -103,8 +104,9 @@ def test_modes_are_torque_nine_and_a_residual_of_every_controller() -> None:
         "admittance",
         "force_position",
         "variable_force_position",
-        *(f"residual:{controller}" for controller in BASELINES),
     ]
+    residual = [mode for mode in modes if mode.startswith("residual:")]
+    assert residual == [f"residual:{controller}" for controller in BASELINES]
 
 
 def test_unknown_mode_names_the_nearest_one() -> None:

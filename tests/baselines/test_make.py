@@ -22,6 +22,7 @@ from prp_gym.baselines import (
     register_controller,
 )
 from prp_gym.errors import GainsFileError, InvalidValueError, MissingFieldError, PRPError, UnknownNameError
+from prp_gym.registry import NOT_IN_THE_REPORT
 from tests.support.control_interface import INTERFACE, LINK_INTERFACE
 
 ENVIRONMENT = "PRP-JointTracking-v0"
@@ -223,7 +224,8 @@ def test_data_file_of_another_layout_is_refused_when_it_is_read(
             read()
 
 
-OLD_NAMES = [spec.policy.__name__.removesuffix("Controller") for spec in BASELINES.values()]
+OF_THE_REPORT = [spec for spec in BASELINES.values() if spec.chapter != NOT_IN_THE_REPORT]
+OLD_NAMES = [spec.policy.__name__.removesuffix("Controller") for spec in OF_THE_REPORT]
 
 
 @pytest.mark.parametrize("name", OLD_NAMES)
@@ -250,4 +252,8 @@ def test_declaration_stands_beside_its_data_and_follows_the_report(controller: s
     assert spec.data.file.name == f"{controller}.toml"
     assert spec.data.search
     assert spec.revision == 1
-    assert list(BASELINES).index(controller) == int(spec.chapter) - 6
+
+
+def test_controllers_of_the_report_come_first_in_its_order() -> None:
+    assert list(BASELINES.values())[: len(OF_THE_REPORT)] == OF_THE_REPORT
+    assert [int(spec.chapter) for spec in OF_THE_REPORT] == list(range(6, 16))

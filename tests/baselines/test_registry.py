@@ -102,11 +102,11 @@ def test_gains_are_the_tuned_ones_unless_named(env: Env) -> None:
 
 def test_override_replaces_one_setting_and_leaves_the_others(env: Env) -> None:
     for controller in list_baselines(env.get_wrapper_attr("observation_layout")):
-        plain = make_baseline(controller, env, "report").settings
-        linked = isinstance(make_baseline(controller, env, "report").model, Link)
+        plain = make_baseline(controller, env).settings
+        linked = isinstance(make_baseline(controller, env).model, Link)
         heavy = RobotParameters().with_masses((0.9, 0.5, 0.7))
         model = LinkParameters(inertia=0.4) if linked else heavy
-        changed = make_baseline(controller, env, "report", model=model).settings
+        changed = make_baseline(controller, env, model=model).settings
         assert changed.model == model != plain.model
         for name in set(setting_names(controller)) - {"model"}:
             assert np.array_equal(getattr(changed, name), getattr(plain, name))
@@ -125,8 +125,8 @@ def test_misspelt_controller_gets_the_nearest_name_and_all_valid_ones(
 @each
 def test_misspelt_gain_set_or_setting_gets_the_nearest_name(environment_id: str, controller: str) -> None:
     env = environment(environment_id)
-    with pytest.raises(UnknownNameError, match="Did you mean 'report'") as caught:
-        make_baseline(controller, env, gains="repotr")
+    with pytest.raises(UnknownNameError, match="Did you mean 'tuned'") as caught:
+        make_baseline(controller, env, gains="tunde")
     assert caught.value.valid == tuple(sorted(gain_sets(controller)))
     name = next(iter(BASELINES[controller].settings_class.vectors))
     with pytest.raises(UnknownNameError, match=f"Did you mean '{name}'") as caught:

@@ -16,7 +16,7 @@ def test_columns_and_error_of_a_task_are_metrics_that_its_episodes_have(environm
     found = episode_metrics(record_episode(make_baseline(controller, env), env, 0))
     env.close()
     scoring = scoring_of(environment_id)
-    assert len(set(scoring.columns)) == len(scoring.columns) >= 6
+    assert len(set(scoring.columns)) == len(scoring.columns) > 0
     for name in scoring.columns:
         assert METRICS[name].column is not None
         assert name in found

@@ -21,8 +21,12 @@ WIDTH = 120
 
 
 def render(title: str, *rows: Row, kind: str = "joint") -> list[str]:
+    return render_task(IDS[kind], title, *rows)
+
+
+def render_task(environment_id: str, title: str, *rows: Row) -> list[str]:
     console = Console(file=StringIO(), width=WIDTH, force_terminal=False, color_system=None)
-    console.print(evaluation_table(title, rows, scoring_of(IDS[kind]).columns))
+    console.print(evaluation_table(title, rows, scoring_of(environment_id).columns))
     assert isinstance(console.file, StringIO)
     return console.file.getvalue().splitlines()
 
@@ -259,8 +263,7 @@ def test_table_of_real_evaluations_is_whole(environment_id: str, scenario: str) 
         for controller in controllers
     ]
     env.close()
-    kind = next(kind for kind, name in IDS.items() if scoring_of(name) == scoring_of(environment_id))
-    lines = render(f"{environment_id}, scenario {scenario}", *rows, kind=kind)
+    lines = render_task(environment_id, f"{environment_id}, scenario {scenario}", *rows)
     assert not any("…" in line for line in lines)
     for controller in controllers:
         assert sum(controller in line for line in lines) == 1

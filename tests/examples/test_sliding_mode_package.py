@@ -77,6 +77,14 @@ def test_evaluate_runs_both_in_worker_processes(installed: Path, tmp_path: Path)
     assert settings["slope"] == [20.0, 20.0, 20.0]
 
 
+def test_controller_runs_on_the_single_link_too(installed: Path, tmp_path: Path) -> None:
+    options = ("--env", "PRP-Adaptive-v0", "--scenario", "report", "--jobs", "1", "--baseline", CONTROLLER)
+    command(installed, tmp_path, "evaluate", *options)
+    (row,) = results(tmp_path / "results")["evaluations"]
+    assert row["settings"]["reaching_gain"] == [60.0]
+    assert row["score"]["value"] > 0.9
+
+
 def test_compare_needs_no_agents(installed: Path, tmp_path: Path) -> None:
     options = ("--env", TASK, "--scenario", "report", "--baseline", CONTROLLER, "--baseline", "joint_pd")
     output = command(installed, tmp_path, "compare", *options, "--jobs", "1")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import torch
 
+from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.model import Learner, make_learner
 from prp_gym.agents.training.recipes import Recipe, load_recipe
 from prp_gym.agents.training.train import TrainingJob
@@ -37,6 +38,8 @@ TINY: dict[str, tuple[str, ...]] = {
 }
 TINY["td3"] = TINY["tqc"] = TINY["sac"]
 TINY["recurrent_ppo"] = (*TINY["ppo"], "policy_kwargs.lstm_hidden_size=8")
+for _name in set(ALGORITHMS) - set(TINY):  # of one that is new, with keys that every recipe has
+    TINY[_name] = (*SHORT, "n_timesteps=512", "n_envs=4", "policy_kwargs.net_arch=[8]")
 
 
 def tiny_recipe(algorithm: str = "ppo", more: Sequence[str] = ()) -> Recipe:

@@ -53,11 +53,17 @@ COMMANDS = {
 OUTPUTS = {"evaluate": "results", "compare": "comparison", "tune": "tuning", "train": "runs"}
 """Folders into which commands write."""
 
-CONFORMANCE = ("environments", "controllers", "action_modes")
+FILES = (
+    *(f"tests/conformance/test_{name}.py" for name in ("environments", "controllers", "action_modes")),
+    "tests/agents/training/test_train.py",
+)
+"""Test files whose cases are those of the registries."""
+
 CHOSEN = (
     f"test_stable_baselines3s_checker_is_satisfied and {TASK.name}",
     f"test_episodes_side_by_side_are_controlled_as_each_on_its_own and {CONTROLLER.name}",
     f"test_checkers_are_satisfied and {ACTION_MODE.name}",
+    f"test_run_folder_holds_what_was_used_and_what_came_out and {ALGORITHM.name}",
 )
 
 
@@ -96,9 +102,8 @@ def run_commands(folder: Path) -> dict[str, str]:
 def run_conformance_tests() -> Recorder:
     """Collect the conformance tests, and run some of the new declarations."""
     recorder = Recorder()
-    files = [f"tests/conformance/test_{name}.py" for name in CONFORMANCE]
     chosen = " or ".join(f"({text})" for text in CHOSEN)
-    code = pytest.main(["-q", "-p", "no:cacheprovider", *files, "-k", chosen], plugins=[recorder])
+    code = pytest.main(["-q", "-p", "no:cacheprovider", *FILES, "-k", chosen], plugins=[recorder])
     if code != pytest.ExitCode.OK:
         raise RuntimeError(f"the conformance tests ended with {code!r}")
     return recorder
