@@ -22,8 +22,8 @@ class AdaptiveSettings(Settings):
         adaptation_gain: Γ (parameters), diagonal [a parameter's unit squared per J].
         lower_share: lower bound of an estimate, as a share of the model's parameter [1].
         upper_share: upper bound of an estimate, as a share of the model's parameter [1].
-        margin: amount by which an estimate may exceed the bound of `upper_share` (parameters), so that a
-            model without friction can still identify it [the parameters' units].
+        margin: amount by which an estimate may exceed the bound of `upper_share` (parameters), so that
+            friction is also identified from a model without friction [the parameters' units].
     """
 
     reference_gain: Any

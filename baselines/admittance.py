@@ -50,9 +50,9 @@ class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
     is integrated exactly with the force held over a period; ẋ_t and ẍ_t come from it, not from differences.
     The torque compensates the contact force, so that the gains of the motion control are independent of the
     compliance: stable for all positive ones, and held over a period dt for K_D dt < 2, K_P dt² < 2 K_D dt
-    (K_D dt < 1 with a one-step actuation delay). On a spring K the tip obeys M_t ẍ + K_Dt ẋ + (K_Pt + K) x =
-    K_Pt x_d + K x_e, stable for any K; the held force is half a period old on average, which reduces K_Dt by
-    about K dt/2.
+    (K_D dt < 1 with a one-step actuation delay). On a spring K the tip obeys
+    M_t ẍ + K_Dt ẋ + (K_Pt + K) x = K_Pt x_d + K x_e, stable for any K; the held force is half a period old on
+    average, which reduces K_Dt by about K dt/2.
 
     Source: [S] 9.3.2; [R] 13.
     """

@@ -136,11 +136,11 @@ class ScheduledGain(ForceIntegral):
 
     On a surface of stiffness K the error decays as exp(-ω_c K/K̂ t): after the estimate K̂, equally fast on
     all surfaces. When contact begins, x_F is reduced by the lag of the inner loop in the approach: the tip
-    brakes at once, and the part of x_F that balances a disturbance stays. The force then peaks below f_t + K
-    v (dt + 1/(e ω)), with Euler's number e, an inner loop of double pole -ω, a period dt and the force f_t at
-    which contact is detected; this peak is unavoidable at the approach speed v. There is no proportional
-    part, since K_F e would pass the force sensor's noise on to the torques. The surface is modelled as a
-    spring: its damping D must stay well below K/ω_c.
+    brakes at once, and the part of x_F that balances a disturbance stays. The force then peaks below
+    f_t + K v (dt + 1/(e ω)), with Euler's number e, an inner loop of double pole -ω, a period dt and the
+    force f_t at which contact is detected; this peak is unavoidable at the approach speed v. There is no
+    proportional part, since K_F e would pass the force sensor's noise on to the torques. The surface is
+    modelled as a spring: its damping D must stay well below K/ω_c.
 
     Attributes:
         bandwidth: bandwidth ω_c of the force loop in contact [rad/s].

@@ -51,8 +51,8 @@ def ship_command(
 ) -> None:
     """Evaluate the agents that come with the suite, and put them where they are found by name.
 
-    They are those that `prp-gym train --shipped` trains. Agents whose training
-    differs from the recipe are refused; files that would not change are left as they are.
+    They are those that `prp-gym train --shipped` trains. Agents whose training differs from the recipe are
+    refused; files that would not change are left as they are.
     """
     workers = Workers(jobs, backend)
     check_protocol(episodes, seed)
@@ -126,7 +126,7 @@ class Candidate:
         return load_agent(RunFolder(self.run).agent)
 
     def check(self) -> None:
-        """Refuse an agent that was trained otherwise.
+        """Refuse an agent whose training differs from the recipe.
 
         Raises:
             InvalidValueError: another recipe or seed.
