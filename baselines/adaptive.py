@@ -22,8 +22,8 @@ class AdaptiveSettings(Settings):
         adaptation_gain: Γ (parameters), diagonal [a parameter's unit squared per J].
         lower_share: lower bound of an estimate, as a share of the model's parameter [1].
         upper_share: upper bound of an estimate, as a share of the model's parameter [1].
-        margin: amount by which an estimate may exceed the bound of `upper_share` (parameters), so that a
-            model without friction can still identify it [the parameters' units].
+        margin: amount by which an estimate may exceed the bound of `upper_share` (parameters), so that
+            friction is also identified from a model without friction [the parameters' units].
     """
 
     reference_gain: Any
@@ -59,9 +59,9 @@ class AdaptiveController(Baseline[AdaptiveSettings]):
     term of Coulomb friction that is at least 0, so that q̃ vanishes whatever the parameters are; Θ̂ stays
     bounded, and converges to Θ only if the reference excites every parameter. Each estimate is kept between
     Θ_0 - (1 - `lower_share`)|Θ_0| and Θ_0 + (`upper_share` - 1)|Θ_0| + `margin` of the model's own Θ_0: such
-    a projection onto a box that holds Θ cannot make V grow, and keeps out masses, inertias and friction that
-    nothing near the model has. The estimates stand still while an actuator is at its limit, where σ says
-    nothing about the model.
+    a projection onto a box that holds Θ cannot make V grow, and excludes masses, inertias and friction far
+    from those of the model. The estimates are held while an actuator is at its limit, where σ carries no
+    information about the model.
 
     Held over a control period dt, the velocity is fed back with K_D + B̂Λ: K_D dt/B + Λ dt must stay well
     below 2 in every joint, where B is the inertia that it feels, 0.5 kg m² for the link and down to

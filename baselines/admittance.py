@@ -1,4 +1,4 @@
-"""Admittance control: the desired motion gives way to the contact force, and the result is tracked."""
+"""Admittance control: the contact force displaces the desired motion, and the result is tracked."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -48,10 +48,11 @@ class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
 
     The compliant frame z obeys M_t z̈ + K_Dt ż + K_Pt z = h_A, h_A = (f_e, 0) by the tip on the surface, and
     is integrated exactly with the force held over a period; ẋ_t and ẍ_t come from it, not from differences.
-    The torque hides the contact from the motion control, whose gains are therefore free of the compliance:
-    stable for all positive ones, and held over a period dt for K_D dt < 2, K_P dt² < 2 K_D dt (K_D dt < 1 if
-    torques come a period late). On a spring K the tip obeys M_t ẍ + K_Dt ẋ + (K_Pt + K) x = K_Pt x_d + K x_e,
-    stable for any K; the held force is half a period old on average, which takes about K dt/2 off K_Dt.
+    The torque compensates the contact force, so that the gains of the motion control are independent of the
+    compliance: stable for all positive ones, and held over a period dt for K_D dt < 2, K_P dt² < 2 K_D dt
+    (K_D dt < 1 with a one-step actuation delay). On a spring K the tip obeys
+    M_t ẍ + K_Dt ẋ + (K_Pt + K) x = K_Pt x_d + K x_e, stable for any K; the held force is half a period old on
+    average, which reduces K_Dt by about K dt/2.
 
     Source: [S] 9.3.2; [R] 13.
     """

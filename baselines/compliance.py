@@ -41,8 +41,8 @@ class ComplianceController(OperationalStaticBaseline[ComplianceSettings]):
 
     In continuous time, without torque limits, with a constant x_d that the arm can attain and a passive
     surface, the equilibrium is asymptotically stable for any positive K_P and K_D (Lyapunov function
-    ½ q̇ᵀBq̇ + ½ x̃ᵀK_P x̃ + the surface's energy); K_D brakes a moving reference. What is said of
-    `OperationalPDController` about turning the short way round and about the sampled loop holds here too.
+    ½ q̇ᵀBq̇ + ½ x̃ᵀK_P x̃ + the surface's energy); K_D opposes a moving reference. The remarks at
+    `OperationalPDController` on the direction of rotation and on the sampled loop apply here, too.
 
     Source: [S] 9.2.1; [R] 11.
     """

@@ -45,8 +45,8 @@ class ImpedanceController(OperationalStaticBaseline[ImpedanceSettings]):
     In continuous time the model M_d, K_D, K_P is stable for any positive numbers, and passive: no passive
     surface makes it unstable. Held over a period dt, K_D dt < 2 M_d and K_P dt < 2 K_D are needed on every
     axis; in contact with a stiffness K the force acts half a period late through the controller but at once
-    on the arm, which takes about K dt (1/M_d - 1/m)/2 off the damping K_D/M_d, m being the mass of the arm
-    along the normal (1.5 kg, down to 0.26 kg): a light M_d on a stiff surface chatters.
+    on the arm, which reduces the damping K_D/M_d by about K dt (1/M_d - 1/m)/2, with the mass m of the arm
+    along the normal (1.5 kg, down to 0.26 kg): with a small M_d the tip oscillates on a stiff surface.
 
     Action modes may scale K_P by `stiffness_factor` along x, y, z, α and β, with K_D so that every
     axis keeps its damping ratio, and that ratio by `damping_factor`.

@@ -22,7 +22,7 @@ class OperationalInverseDynamicsSettings(Settings):
         proportional_gain: K_P (6), diagonal [1/s^2].
         derivative_gain: K_D (6), diagonal [1/s].
         contact: `compensated` adds J_Aᵀh_A for the measured contact force, `ignored` nothing.
-        joint_limits: `respected` asks no joint at its limit to go beyond it, `ignored` knows of none.
+        joint_limits: `respected` commands no joint beyond its limit, `ignored` does not consider limits.
         pseudoinverse_damping: λ in J_A⁺ = (J_AᵀJ_A + λ²I)⁻¹J_Aᵀ [1]; J_A needs none.
     """
 
@@ -50,8 +50,8 @@ class OperationalInverseDynamicsController(OperationalStaticBaseline[Operational
     loop is stable near such a reference for equal positive gains; an error component that the arm cannot move
     (of a reference that it cannot attain) remains. Held over a period dt it needs, as in joint space, K_D dt
     < 2 and K_P dt < 2 K_D on every axis; the compensation, held too, and a one-step actuation delay lower
-    these bounds. Far from its goal the controller may drive the slide onto its stop on the way; with the
-    joint limits respected it goes on with the other joints, without it it may stay there for good.
+    these bounds. Far from its goal the controller may drive the slide against its stop; with the
+    joint limits respected it continues with the other joints, otherwise it may remain there.
 
     Source: [S] 8.6.2; [R] 10.
     """

@@ -1,4 +1,4 @@
-"""What an action means: its declared parts, what makes joint torques of it, and the registry of modes."""
+"""Action modes: the declared fields of an action, its conversion to joint torques, and the registry."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ TORQUE = "torque"
 """The mode in which an action is the joint torques normalised by the actuator limits."""
 
 INNER_FREQUENCY = 500.0
-"""Control frequency of the controller inside every other mode [Hz], whatever that of the actions."""
+"""Control frequency of the inner controller of every other mode [Hz], at any frequency of the actions."""
 
 ANY_CONTROLLER = "<controller>"
-"""In place of a controller's name: a family of modes, one for each controller."""
+"""Controller's name of a family of modes, which has one mode for each controller."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class ActionField:
         frame: frame in which the components are expressed.
         bound: value (size) that an action of 1 commands, in the units; above 0, or above 1 for a factor.
         description: meaning of the field, as tables print it.
-        factor: whether an action a means bound^a, from 1/bound to bound, and not bound·a.
+        factor: whether an action a commands bound^a, from 1/bound to bound, instead of bound·a.
     """
 
     name: str
@@ -71,11 +71,11 @@ Memory = Any
 
 
 class ActionMode(Protocol):
-    """Makes joint torques of actions, once in every period of the controller inside."""
+    """Converts actions to joint torques, once in every period of the inner controller."""
 
     @property
     def fields(self) -> tuple[ActionField, ...]:
-        """The parts of an action, in order."""
+        """The fields of an action, in order."""
 
     def torque(
         self, action: Array, observation: Array, memory: Memory, starts: NDArray[np.bool_]
@@ -85,7 +85,7 @@ class ActionMode(Protocol):
         Args:
             action: (N, size), within ±1; the same over an action's whole period.
             observation: (N, observation size), as a policy would see it now.
-            memory: what the last call returned; None at first.
+            memory: memory that the last call returned; None at first.
             starts: (N) whether an episode starts with this observation.
 
         Returns:
@@ -95,11 +95,11 @@ class ActionMode(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class ModeSetup:
-    """What an action mode is made for.
+    """The task and the interface for which an action mode is made.
 
     Attributes:
         task: `Task` whose observations the inner controller reads.
-        torque_limit: joint torques at 1 (joints) [N m, N, N m].
+        torque_limit: actuator limits, by which joint torques are normalised (joints) [N m, N, N m].
         period: control period of the inner controller [s].
     """
 
@@ -113,10 +113,10 @@ class ModeEntry(Protocol):
 
     @property
     def controller(self) -> str:
-        """The baseline that runs inside; `ANY_CONTROLLER` of a family, nothing where none does."""
+        """Name of the inner controller; `ANY_CONTROLLER` for a family, empty for a mode without one."""
 
     def endings(self, layout: ObservationLayout | None) -> tuple[str, ...]:
-        """What follows the declared name in the names of the modes that an environment can have.
+        """Endings that follow the declared name in the names of the modes that an environment can have.
 
         Args:
             layout: layout of the environment's observations; None for the modes of all environments.
@@ -127,10 +127,10 @@ class ModeEntry(Protocol):
         """
 
     def fields(self, torque_limit: Sequence[float], nominal: Sequence[float]) -> tuple[ActionField, ...]:
-        """The parts of an action, in order.
+        """The fields of an action, in order.
 
         Args:
-            torque_limit: joint torques at 1 (joints) [N m, N, N m].
+            torque_limit: actuator limits, by which joint torques are normalised (joints) [N m, N, N m].
             nominal: the robot's own limits (joints) [N m, N, N m].
         """
 
@@ -139,11 +139,11 @@ class ModeEntry(Protocol):
 
         Args:
             ending: ending of the mode's name.
-            setup: what it is made for.
+            setup: task and interface for which the mode is made.
 
         Raises:
             UnknownNameError: the mode names a command input that its controller does not have.
-            MissingFieldError: the task does not show what the controller reads.
+            MissingFieldError: the environment does not observe what the controller reads.
         """
 
 
@@ -201,7 +201,7 @@ def list_action_modes(layout: ObservationLayout | None = None) -> list[str]:
     """Names of the action modes, or of those that an environment can have.
 
     Args:
-        layout: `env.unwrapped.observation_layout`; all modes without it.
+        layout: `env.unwrapped.observation_layout`; None for all modes.
     """
     return [TORQUE, *_named(layout)]
 
@@ -221,11 +221,11 @@ def make_action_mode(name: str, setup: ModeSetup) -> ActionMode:
 
     Args:
         name: name of the mode, as `list_action_modes` gives it.
-        setup: what it is made for.
+        setup: task and interface for which the mode is made.
 
     Raises:
         UnknownNameError: no such mode, or one that names a command input that its controller does not have.
-        MissingFieldError: the task does not show what the controller reads.
+        MissingFieldError: the environment does not observe what the controller reads.
     """
     modes = _named()
     if name not in modes:

@@ -1,1 +1,1 @@
-"""What controllers are built from: policies, settings, gains, references, declarations."""
+"""The parts of which controllers are built: policies, settings, gains, references, declarations."""

@@ -17,7 +17,7 @@ class ForceError(NamedTuple):
     """The desired and the measured contact force along one axis.
 
     Attributes:
-        axis: n (..., 3), a unit vector into the surface, world frame; zero where no force shows one.
+        axis: n (..., 3), a unit vector into the surface, world frame; zero where no force defines one.
         desired: desired force n·f_d (..., 1), at least 0 [N].
         measured: measured force n·f_e (..., 1) by the tip on the surface [N].
     """
@@ -70,7 +70,7 @@ STEADY = RateScaling(np.ones(1), np.ones(1))
 class ForceIntegral(ABC):
     """The displacement x_F by which a force error moves the target of a position loop.
 
-    Its memory is a tuple of arrays (..., any size); the first is what an actuator at its limit stops.
+    Its memory is a tuple of arrays (..., any size); the first is held while an actuator is at its limit.
 
     Attributes:
         arrays: number of state arrays.
@@ -117,7 +117,7 @@ class FixedGains(ForceIntegral):
     arrays: ClassVar[int] = 1
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
-        """No displacement."""
+        """A displacement of zero."""
         return (np.zeros((*shape, 3)),)
 
     def step(
@@ -135,12 +135,12 @@ class ScheduledGain(ForceIntegral):
     """ẋ_F = n ω_c e/K̂ in contact, n v before it where a force is desired, and never faster than v.
 
     On a surface of stiffness K the error decays as exp(-ω_c K/K̂ t): after the estimate K̂, equally fast on
-    all surfaces. At the touch x_F gives back what the inner loop lagged behind it in the approach: the tip
-    brakes at once, and what x_F holds against a disturbance stays. The force then peaks below
-    f_t + K v (dt + 1/(e ω)), e Euler's number, for an inner loop of double pole -ω and a period dt: so much
-    the approach makes unavoidable, f_t being the force at which the touch is noticed.
-    There is no proportional part: K_F e would hand the force sensor's noise to the torques. The surface is
-    taken for a spring: its damping D must stay well below K/ω_c.
+    all surfaces. When contact begins, x_F is reduced by the lag of the inner loop in the approach: the tip
+    brakes at once, and the part of x_F that balances a disturbance stays. The force then peaks below
+    f_t + K v (dt + 1/(e ω)), with Euler's number e, an inner loop of double pole -ω, a period dt and the
+    force f_t at which contact is detected; this peak is unavoidable at the approach speed v. There is no
+    proportional part, since K_F e would pass the force sensor's noise on to the torques. The surface is
+    modelled as a spring: its damping D must stay well below K/ω_c.
 
     Attributes:
         bandwidth: bandwidth ω_c of the force loop in contact [rad/s].
@@ -158,7 +158,7 @@ class ScheduledGain(ForceIntegral):
     arrays: ClassVar[int] = 3
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
-        """No displacement, no contact, and an estimator that knows nothing."""
+        """A displacement of zero, no contact, and an estimator without measurements."""
         return np.zeros((*shape, 3)), np.zeros((*shape, 1)), self.estimator.begin(shape)
 
     def step(

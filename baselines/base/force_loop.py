@@ -86,9 +86,9 @@ SettingsT = TypeVar("SettingsT", bound=ForceLoopSettings)
 class ForceLoop(OperationalBaseline[SettingsT]):
     """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_r + M_d⁻¹(K_D (ẋ_r - ẋ) + K_P (x_r + x_F - x)).
 
-    (x_r, ẋ_r, ẍ_r) is the motion without force error, x_F the displacement that the force error adds. Where
-    nothing asks for a force, none is desired. An actuator at its limit stops x_F. Action modes may add
-    a `force_offset`, and scale the speed before a touch and the bandwidth in contact by
+    (x_r, ẋ_r, ẍ_r) is the motion without force error, x_F the displacement that the force error adds. The
+    desired force is zero where the observation has none. x_F is held while an actuator is at its limit.
+    Action modes may add a `force_offset`, and scale the approach speed and the bandwidth in contact by
     `approach_speed_factor` and `bandwidth_factor`.
 
     Args:
@@ -104,7 +104,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         self._integral = self.settings.force_integral(interface.period)
 
     def initial_state(self, observed: Observed) -> ControllerState:
-        """No displacement and no estimate yet; see `Baseline.initial_state`."""
+        """A displacement of zero and no estimate yet; see `Baseline.initial_state`."""
         return self._integral.begin(observed["joint_position"].shape[:-1])
 
     @abstractmethod

@@ -121,7 +121,7 @@ def controller(
 def controller(
     function: Function | None = None, *, name: str | None = None, summary: str | None = None
 ) -> FunctionControllerSpec | Callable[[Function], FunctionControllerSpec]:
-    """Make a controller of a function, as a decorator with or without arguments.
+    """Make a controller from a function, as a decorator with or without arguments.
 
     The positional parameters of the function are names of observation fields, each (..., size) in the units
     of its declaration; one called `model` is the nominal robot, a `PRPArm` or `Link`. Its keyword-only

@@ -14,12 +14,12 @@ from prp_gym.robot.arrays import Array, apply, apply_transposed, solve_least_squ
 SettingsT = TypeVar("SettingsT", bound=Settings)
 
 LIMIT_MARGIN = 0.01
-"""How near a joint is to its limit when it is taken to be at it [rad, m, rad]."""
+"""Distance from a limit within which a joint counts as being at it [rad, m, rad]."""
 
 _HELD = 1e-6  # damping that makes the pseudoinverse exist without a joint; its effect is 1e-12
 
 MEASURED_MOTION = ("joint_position", "joint_velocity", "end_effector_pose", "end_effector_velocity")
-"""The fields of which `ArmState` is made."""
+"""The observation fields from which an `ArmState` is made."""
 
 
 class ArmState(NamedTuple):
@@ -27,9 +27,9 @@ class ArmState(NamedTuple):
 
     Attributes:
         joint_position: q (..., 3) [rad, m, rad].
-        joint_velocity: q̇ (..., 3) per second.
+        joint_velocity: q̇ (..., 3) [rad/s, m/s, rad/s].
         pose: x (..., 6) [m, m, m, rad, rad, rad].
-        velocity: ẋ = J_A q̇ (..., 6) per second.
+        velocity: ẋ = J_A q̇ (..., 6) [m/s, m/s, m/s, rad/s, rad/s, rad/s].
         jacobian: J_A(q) (..., 6, 3).
     """
 
@@ -48,7 +48,7 @@ class OperationalBaseline(Baseline[SettingsT]):
         settings: settings of the controller.
 
     Attributes:
-        arm: the model with which the controller computes.
+        arm: arm model that the controller uses.
     """
 
     measured_fields: ClassVar[tuple[str, ...]] = MEASURED_MOTION
@@ -79,7 +79,7 @@ class OperationalBaseline(Baseline[SettingsT]):
 
         J_A has full column rank everywhere (its smallest singular value over the workspace is above 0.7),
         so that the pseudoinverse needs no damping; q_3 = ±π/2 and L = 0, where the tip's position alone
-        is singular, are passed without effect.
+        is singular, have no effect.
 
         Args:
             state: measured motion of the arm.
@@ -95,11 +95,11 @@ class OperationalBaseline(Baseline[SettingsT]):
         return self._inverse_dynamics(state, joint_acceleration)
 
     def limited_torque(self, state: ArmState, acceleration: Array, damping: float = 0.0) -> Array:
-        """The same as `resolved_torque`, but no joint at its limit is asked to go beyond it.
+        """Like `resolved_torque`, but no joint at its limit is commanded beyond it.
 
-        A joint that lies within `LIMIT_MARGIN` of a limit, and that y would press on, is left out of J_A, so
-        that the others do what they can without it. Pressed on, its stop would take what y_i asks for, while
-        the inertia that couples the joints would drive the others astray.
+        A joint that lies within `LIMIT_MARGIN` of a limit, and that y would drive beyond it, is left out of
+        J_A, so that the other joints realise a as well as they can without it. Otherwise its stop would
+        absorb the acceleration y_i, and the inertial coupling would disturb the other joints.
 
         Args:
             state: measured motion of the arm.
@@ -116,7 +116,7 @@ class OperationalBaseline(Baseline[SettingsT]):
         at_upper = q >= np.array(self.arm.parameters.joint_upper) - LIMIT_MARGIN
         joint_acceleration = solve_least_squares(state.jacobian, wanted, damping)
         blocked = np.zeros(q.shape, dtype=np.bool_)
-        for _ in range(q.shape[-1]):  # each time at least one more joint, or none
+        for _ in range(q.shape[-1]):  # every pass blocks at least one more joint, or ends the loop
             pressed = (at_lower & (joint_acceleration < 0.0)) | (at_upper & (joint_acceleration > 0.0))
             if not np.count_nonzero(pressed):
                 break

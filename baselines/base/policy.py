@@ -31,7 +31,7 @@ Observed = Mapping[str, Array]
 
 @dataclass(frozen=True, eq=False)
 class ControlInterface:
-    """All that a controller may know of an environment, beside what it observes.
+    """Everything that a controller may know of an environment besides its observations.
 
     Attributes:
         environment_id: id of the environment.
@@ -108,7 +108,7 @@ class Baseline(ABC, Generic[SettingsT]):
     """A controller of one environment, or of many of them at once.
 
     The state of a stateful controller (integrals, estimates) is a tuple of arrays with the leading dimensions
-    of the observations; it lives with the caller, as a recurrent policy's does.
+    of the observations; the caller keeps it, as that of a recurrent policy.
 
     Args:
         interface: what the controller may know of the environment.
@@ -162,7 +162,7 @@ class Baseline(ABC, Generic[SettingsT]):
             observed: fields by name, each (..., size).
 
         Returns:
-            arrays (..., any size); none for a controller without a state.
+            arrays (..., any size); an empty tuple for a stateless controller.
         """
         return ()
 
@@ -190,13 +190,13 @@ class Baseline(ABC, Generic[SettingsT]):
 
         Args:
             observation: (size) or (N, size).
-            state: what the last call returned; None at first.
+            state: state that the last call returned; None at first.
             episode_start: (N) whether an episode starts with this observation; there the state starts anew.
             deterministic: has no effect, since the controllers are deterministic.
 
         Returns:
             action (joints) or (N, joints), within [-1, 1], and the state for the next call, None for a
-            controller without a state.
+            stateless controller.
 
         Raises:
             ShapeError: an observation of another size, for instance behind a wrapper that changes it;
@@ -217,7 +217,7 @@ class Baseline(ABC, Generic[SettingsT]):
     def _begin(
         self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None
     ) -> ControllerState:
-        """The state to go on with: the last one, and a new one where an episode starts."""
+        """The state for this period: the given one, replaced by a new one where an episode starts."""
         lead = observed["joint_position"].shape[:-1]
         fresh = self.initial_state(observed)
         return state_to_begin_with(fresh, state, episode_start, lead)
@@ -225,7 +225,7 @@ class Baseline(ABC, Generic[SettingsT]):
     def _hold(
         self, before: ControllerState, after: ControllerState, limited: NDArray[np.bool_]
     ) -> ControllerState:
-        """Integrators stand still where an actuator is at its limit (anti-windup)."""
+        """Hold the integrators where an actuator is at its limit (anti-windup)."""
         if not np.count_nonzero(limited):
             return after
         return tuple(
@@ -235,7 +235,7 @@ class Baseline(ABC, Generic[SettingsT]):
 
 
 class StaticBaseline(Baseline[SettingsT]):
-    """A controller without a state."""
+    """A stateless controller."""
 
     @abstractmethod
     def torque(self, observed: Observed) -> Array:

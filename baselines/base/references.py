@@ -1,4 +1,4 @@
-"""The reference of the arm, in the space in which a controller asks for it."""
+"""The reference of the arm, in the space in which a controller needs it."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -22,8 +22,8 @@ class JointReference(NamedTuple):
 
     Attributes:
         position: q_d (..., joints) [rad, m, rad].
-        velocity: q̇_d (..., joints) per second.
-        acceleration: q̈_d (..., joints) per second squared.
+        velocity: q̇_d (..., joints) [rad/s, m/s, rad/s].
+        acceleration: q̈_d (..., joints) [rad/s^2, m/s^2, rad/s^2].
     """
 
     position: Array
@@ -46,7 +46,7 @@ class PoseReference(NamedTuple):
 
 
 class References(ABC):
-    """The reference of an observation, given in one space and asked for in either."""
+    """The reference of an observation, given in one space and available in both."""
 
     @abstractmethod
     def joint(self, observed: Mapping[str, Array]) -> JointReference:
@@ -61,12 +61,12 @@ class JointReferences(References):
     """A reference given in joint space; its pose is x_d = k(q_d), ẋ_d = J_A q̇_d, ẍ_d = J_A q̈_d + J̇_A q̇_d."""
 
     def joint(self, observed: Mapping[str, Array]) -> JointReference:
-        """As it is observed."""
+        """The reference as it is observed."""
         position, velocity, acceleration = (observed[name] for name in REFERENCE_FIELDS[0])
         return JointReference(position, velocity, acceleration)
 
     def pose(self, observed: Mapping[str, Array], arm: PRPArm) -> PoseReference:
-        """By the direct kinematics."""
+        """The pose reference by the direct kinematics."""
         return PoseReference(*arm.pose_motion(*self.joint(observed)))
 
 
@@ -81,11 +81,11 @@ class PoseReferences(References):
         self._arm = arm
 
     def joint(self, observed: Mapping[str, Array]) -> JointReference:
-        """By the inverse kinematics."""
+        """The joint reference by the inverse kinematics."""
         return JointReference(*self._arm.joint_motion(*self.pose(observed, self._arm)))
 
     def pose(self, observed: Mapping[str, Array], arm: PRPArm) -> PoseReference:
-        """As it is observed."""
+        """The reference as it is observed."""
         pose, velocity, acceleration = (observed[name] for name in REFERENCE_FIELDS[1])
         return PoseReference(pose, velocity, acceleration)
 
@@ -101,12 +101,12 @@ class MovedReferences(References):
         self._given = given
 
     def joint(self, observed: Mapping[str, Array]) -> JointReference:
-        """The given motion, `joint_offset` further."""
+        """The given motion, shifted by `joint_offset`."""
         motion = self._given.joint(observed)
         return motion._replace(position=motion.position + observed["joint_offset"])
 
     def pose(self, observed: Mapping[str, Array], arm: PRPArm) -> PoseReference:
-        """The given motion, `pose_offset` further."""
+        """The given motion, shifted by `pose_offset`."""
         motion = self._given.pose(observed, arm)
         pose, offset = motion.pose.copy(), observed["pose_offset"]
         pose[..., : offset.shape[-1]] += offset

@@ -13,10 +13,10 @@ from prp_gym.robot.parameters import RobotParameters
 
 @dataclass(frozen=True)
 class Vector:
-    """What a vector among the settings has a component for, and its unit.
+    """What the components of a vector setting belong to, and their unit.
 
     Attributes:
-        of: `joint`, `pose` (six components) or `parameter` of the model.
+        of: quantity with one component each: `joint`, `pose` (six components) or `parameter` of the model.
         unit: unit of the components.
         above_zero: whether 0 is refused too.
     """
@@ -61,7 +61,7 @@ class Settings:
         """Settings by name.
 
         Raises:
-            UnknownNameError: a name that the controller does not have, or a word that is none of a setting's.
+            UnknownNameError: a name that the controller does not have; a word that a setting does not allow.
             InvalidValueError: a value that is not allowed; no value for a setting without default.
         """
         entries = fields(cls)

@@ -1,4 +1,4 @@
-"""`ControllerSpec`: all that is to be said once about a controller, and the registry of controllers."""
+"""`ControllerSpec`, the declaration of a controller, and the registry of controllers."""
 
 import tomllib
 from collections.abc import Mapping
@@ -24,9 +24,9 @@ class ControllerData:
     """The numbers of a controller, in a TOML file that is read on first use.
 
     `[gains.<set>]` holds settings by name with their `source` and, where needed, the `minimum_frequency` [Hz]
-    of control below which the set is refused; `[gains.<set>."<environment id>"]` holds what differs on one
-    environment. `[search.<parameter>]` is a parameter of tuning, a factor on the settings of the set `tuned`;
-    `prp_gym.tuning.search_space` explains its rows. The suite's own sets are called
+    of control below which the set is refused; `[gains.<set>."<environment id>"]` holds the values that differ
+    on one environment. `[search.<parameter>]` is a parameter of tuning, a factor on the settings of the set
+    `tuned`; `prp_gym.tuning.search_space` explains its rows. The suite's own sets are called
 
     - `report`: as the report prints them;
     - `figures`: as the report's author ran them, where its figures show other gains than its text;
@@ -48,7 +48,7 @@ class ControllerData:
 
         Args:
             module: `__file__` of the module.
-            target_impedance_sets: see the class.
+            target_impedance_sets: gain sets in which a task's target impedance replaces the numbers.
         """
         return cls(Path(module).with_suffix(".toml"), target_impedance_sets)
 
@@ -100,7 +100,7 @@ class ControllerSpec:
 
     @property
     def settings_class(self) -> type[Settings]:
-        """Of the settings that its gain sets give."""
+        """Class of the controller's settings."""
         return self.policy.settings_class
 
     @property
@@ -128,8 +128,8 @@ def register_controller(spec: ControllerSpec) -> ControllerSpec:
     """Declare a controller, so that it is listed, evaluated, compared and tuned with the others.
 
     Args:
-        spec: of this or of another package. Without a set `tuned` its settings need defaults; without a
-            search space each of its vector settings is tuned by a factor from 0.1 to 10.
+        spec: declaration from this or another package. Without a set `tuned` its settings need defaults;
+            without a search space each of its vector settings is tuned by a factor from 0.1 to 10.
 
     Returns:
         the same declaration.
@@ -142,7 +142,7 @@ def register_controller(spec: ControllerSpec) -> ControllerSpec:
 
 
 def find_controller(controller: str | ControllerSpec) -> ControllerSpec:
-    """The declaration of a controller, given itself or by its name.
+    """The declaration of a controller, given as such or by its name.
 
     Raises:
         UnknownNameError: no controller has this name.

@@ -20,14 +20,14 @@ class StiffnessEstimator:
     K̂ = (S_pf + s K_0)/(S_pp + s), limited to `allowed`. So the guess K_0 counts as much as a spread s of
     positions, and a constant bias of the force sensor is part of c and leaves K̂ alone. The weights fade with
     a time constant, but only in periods that bring at least as much spread as fading takes: a tip at rest
-    teaches nothing and makes nothing forgotten.
+    neither changes the estimate nor makes it forget.
 
     Attributes:
-        initial_stiffness: K_0, above 0 [N/m].
+        initial_stiffness: initial guess K_0, above 0 [N/m].
         forgetting_time: time constant of the weights, above 0 [s].
-        period: between two measurements [s].
+        period: time between two measurements [s].
         allowed: least and largest K̂ [N/m].
-        guess_spread: s [m^2]: what force noise of 0.05 N and a guess within 5000 N/m make of it.
+        guess_spread: weight s of the guess [m^2], for force noise of 0.05 N and a guess within 5000 N/m.
 
     Raises:
         InvalidValueError: a stiffness or a time that is not positive.
@@ -49,20 +49,20 @@ class StiffnessEstimator:
 
     @property
     def retention(self) -> float:
-        """What is left of a weight after a period."""
+        """Factor by which a weight decays in one period."""
         return float(np.exp(-self.period / self.forgetting_time))
 
     def begin(self, shape: tuple[int, ...]) -> Array:
-        """A memory (*shape, 5) of no measurement."""
+        """An empty memory (*shape, 5), without a measurement."""
         return np.zeros((*shape, 5))
 
     def update(self, memory: Array, position: Array, force: Array, contact: NDArray[np.bool_]) -> Array:
         """The memory with one more measurement, or empty where there is no contact.
 
         Args:
-            memory: (..., 5).
-            position: p (...) of the tip along the force axis [m].
-            force: f (...) by the tip on the surface along that axis [N].
+            memory: weighted moments (..., 5) of the measurements so far.
+            position: tip position p (...) along the force axis [m].
+            force: force f (...) by the tip on the surface along that axis [N].
             contact: (...) whether the tip touches the surface.
 
         Returns:

@@ -1,4 +1,4 @@
-"""What actions mean beside torques: controllers that an action commands. Here they meet the environments."""
+"""Action modes other than `torque`: controllers that an action commands, made for environments."""
 
 from prp_gym.action_modes.commanded import SMOOTHING_TIME, CommandedController, CommandInputs
 from prp_gym.action_modes.residual import RESIDUAL_SHARE, ResidualController, ResidualTorque

@@ -28,9 +28,9 @@ class CommandInputs:
     """An action mode that drives command inputs of a controller.
 
     Attributes:
-        controller: a baseline, which runs inside with its `tuned` gains.
-        inputs: the parts of an action, by the names of the controller's command inputs; of those resolved in
-            joints, a robot has as many components as it has joints.
+        controller: name of the inner controller, which has its `tuned` gains.
+        inputs: fields of an action, by the names of the controller's command inputs; fields in joint space
+            have as many components as the robot has joints.
     """
 
     controller: str
@@ -42,7 +42,7 @@ class CommandInputs:
         return ("",) if runs else ()
 
     def fields(self, torque_limit: Sequence[float], nominal: Sequence[float]) -> tuple[ActionField, ...]:
-        """See `prp_gym.envs.action_mode.ModeEntry`; the limits are of no effect."""
+        """See `prp_gym.envs.action_mode.ModeEntry`; the limits have no effect."""
         count = len(torque_limit)
         return tuple(
             replace(field, units=field.units[:count], bound=field.bound[:count])
@@ -59,14 +59,14 @@ class CommandInputs:
 
 
 class CommandedController:
-    """A controller that reads the action beside the observation, as more fields of it.
+    """A controller that reads the action as additional fields of the observation.
 
-    What it reads follows the action with a delay of first order, from 0 at an episode's start: a stiff
-    controller would turn every jump of its reference into an impact.
+    The command inputs follow the action through a first-order low-pass filter, from 0 at the start of an
+    episode, since a stiff controller would turn every jump of its reference into an impact.
 
     Args:
-        controller: a baseline, with its `tuned` gains.
-        fields: the parts of an action, by the names of the controller's command inputs.
+        controller: name of the controller, which has its `tuned` gains.
+        fields: fields of an action, by the names of the controller's command inputs.
         interface: what the controller may know of the environment.
         smoothing_time: time constant with which the command inputs follow the action [s].
 

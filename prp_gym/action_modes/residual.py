@@ -59,8 +59,8 @@ class ResidualController:
     """A controller to whose torques the action adds its own.
 
     Args:
-        controller: a baseline, with its `tuned` gains.
-        field: the action, bounded by a share of the actuator limits.
+        controller: name of the controller, which has its `tuned` gains.
+        field: field of the action, bounded by a share of the actuator limits.
         interface: what the controller may know of the environment.
 
     Raises:

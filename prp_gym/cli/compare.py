@@ -46,8 +46,7 @@ def compare_command(
     agent: Annotated[
         list[Path] | None,
         typer.Option(
-            help="An agent beside those that come with the package: its file, or a folder with one of every "
-            "training seed; repeatable."
+            help="Additional agent: its file, or a folder with one file for each training seed; repeatable."
         ),
     ] = None,
     scenario: Annotated[
@@ -105,7 +104,7 @@ def _draw(outcome: Outcome, folder: Path) -> None:
 
 
 def _show(outcome: Outcome, run: Run) -> None:
-    """Print the tables, and what to know of them."""
+    """Print the tables, with notes that explain them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     for condition in outcome.conditions:
         console.print(condition_table(condition, outcome.seed))
@@ -134,8 +133,8 @@ def _show(outcome: Outcome, run: Run) -> None:
         console.print(audit_table(outcome.audits))
         notes.append(
             "rank correlation: over policies, between score and smallness of the physical error; its 95 % "
-            "interval is over episodes. For policies that hardly differ it is left to chance: --audit adds "
-            "more policies."
+            "interval is over episodes. It is not significant for policies that hardly differ: --audit "
+            "adds more policies."
         )
     notes += [f"{name}: {reason}." for name, reason in _reasons(outcome)]
     if run.busy:
@@ -148,5 +147,5 @@ def _show(outcome: Outcome, run: Run) -> None:
 
 
 def _reasons(outcome: Outcome) -> list[tuple[str, str]]:
-    """Why each physical error was chosen, once each."""
+    """The reason for each physical error, each of them once."""
     return list(dict.fromkeys((audit.physical_error, audit.reason) for audit in outcome.audits))

@@ -69,7 +69,7 @@ def evaluate_command(
 
 
 def _show(records: list[Record], run: Run) -> None:
-    """Print the tables, and what to know of them."""
+    """Print the tables, with notes that explain them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     for table in (*_tables(records), *_scores(records)):
         console.print(table)

@@ -26,7 +26,7 @@ from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 SCENARIOS = ("randomized", "realistic")
-"""In which agents that come with the suite have scores, beside the one of their training."""
+"""Scenarios in which shipped agents are scored, besides that of their training."""
 
 
 def ship_command(
@@ -51,8 +51,8 @@ def ship_command(
 ) -> None:
     """Evaluate the agents that come with the suite, and put them where they are found by name.
 
-    They are those that `prp-gym train --shipped` trains. Agents that were trained otherwise than the recipes
-    say are refused; files that would not change are left as they are.
+    They are those that `prp-gym train --shipped` trains. Agents whose training differs from the recipe are
+    refused; files that would not change are left as they are.
     """
     workers = Workers(jobs, backend)
     check_protocol(episodes, seed)
@@ -126,7 +126,7 @@ class Candidate:
         return load_agent(RunFolder(self.run).agent)
 
     def check(self) -> None:
-        """Refuse an agent that was trained otherwise.
+        """Refuse an agent whose training differs from the recipe.
 
         Raises:
             InvalidValueError: another recipe or seed.
@@ -145,7 +145,7 @@ def score_agent(candidate: Candidate) -> dict[str, Score]:
     """Scores of an agent by scenario.
 
     Args:
-        candidate: the agent, and on how many episodes.
+        candidate: agent with the number of its episodes.
     """
     policy = candidate.load()
     trained = str(policy.environment_keywords.get("scenario", EnvConfig.scenario))
@@ -204,7 +204,7 @@ def _leftovers(output: Path, wanted: Sequence[Candidate]) -> list[str]:
 
 
 def _tell(what: str, names: Sequence[str]) -> None:
-    """Name on standard error what should be looked at before the agents are shipped."""
+    """Print on standard error what should be checked before the agents are shipped."""
     if names:
         console = make_console(stderr=True)
         for line in (f"{what}:", *(f"  {name}" for name in names)):
@@ -212,7 +212,7 @@ def _tell(what: str, names: Sequence[str]) -> None:
 
 
 def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None:
-    """Print the agents' scores, a line an agent."""
+    """Print the agents' scores, one line for each agent."""
     table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
     table.add_column("agent")
     for header in (*SCENARIOS, "files"):

@@ -39,11 +39,9 @@ def train_command(
         Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
     ] = None,
     algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
-    action_mode: Annotated[
-        str | None, typer.Option(help="What actions mean. Default: what the recipe says.")
-    ] = None,
-    seeds: Annotated[int, typer.Option(help="Training seeds, an agent each.")] = 1,
-    first_seed: Annotated[int, typer.Option(help="The first of them.")] = 0,
+    action_mode: Annotated[str | None, typer.Option(help="Action mode. Default: that of the recipe.")] = None,
+    seeds: Annotated[int, typer.Option(help="Number of training seeds, with one agent each.")] = 1,
+    first_seed: Annotated[int, typer.Option(help="First training seed.")] = 0,
     config: Annotated[
         Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
     ] = None,
@@ -104,7 +102,7 @@ def train_command(
 
 @dataclass(frozen=True)
 class _Evaluations:
-    """When a policy is evaluated in training.
+    """Schedule of the evaluations in training.
 
     Attributes:
         count: number of evaluations in the whole training.
@@ -117,13 +115,13 @@ class _Evaluations:
     episodes: int
 
     def steps_between(self, recipe: Recipe) -> int:
-        """Steps between two of them."""
+        """Steps between two evaluations."""
         return self.every or max(1, recipe.n_timesteps // self.count)
 
 
 @dataclass(frozen=True)
 class _Runs:
-    """What the runs of all groups share.
+    """Settings that the runs of all groups share.
 
     Attributes:
         output: folder that holds all runs.
@@ -142,7 +140,7 @@ class _Runs:
     recipe_options: tuple[str, ...]
 
     def jobs_of(self, recipe: Recipe, seeds: range) -> list["TrainingJob"]:
-        """A job a seed."""
+        """One job for each seed."""
         from prp_gym.agents.training.train import TrainingJob
 
         every = self.evaluations.steps_between(recipe)

@@ -32,7 +32,8 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
         the results, in the order of `wanted`.
 
     Raises:
-        PRPError: what training refuses; unfinished runs that may not be resumed before anything is begun.
+        PRPError: a recipe that training refuses; unfinished runs that may not be resumed, before any training
+            begins.
     """
     from prp_gym.agents.training.train import is_ready, train
 

@@ -44,7 +44,7 @@ def tune_command(
         ),
     ] = None,
     baseline: Annotated[
-        str | None, typer.Option(help="The same, as an option in place of the argument.")
+        str | None, typer.Option(help="Controller to tune, as an option in place of the argument.")
     ] = None,
     budget: Annotated[
         int | None, typer.Option(help="Control steps to simulate at most, of all environments together.")
@@ -107,7 +107,7 @@ def _one_name(controller: str | None, baseline: str | None) -> str:
 
 
 def _budget(budget: int | None, like: str | None, control_frequency: float) -> int:
-    """The steps asked for, or those of a controller in the simulated time that an agent was trained.
+    """The budget given, or the steps of a controller in the simulated training time of an agent.
 
     Raises:
         InvalidValueError: none of the two, or both.
@@ -122,7 +122,7 @@ def _budget(budget: int | None, like: str | None, control_frequency: float) -> i
 
 
 def _key(task: TuningTask, choice: ControllerChoice) -> dict[str, Any]:
-    """What the trials of a search depend on."""
+    """Everything that the trials of a search depend on."""
     code = {**running_code(), "optuna": version("optuna")}
     plain: dict[str, Any] = to_plain({**asdict(task), "start": asdict(choice), "code": code})
     return plain

@@ -15,7 +15,7 @@ _TOML = ".toml"
 
 @dataclass(frozen=True)
 class GainsChoice:
-    """Gains of a controller: a named set, or the content of a user's file, and single settings beside them.
+    """Gains of a controller: a named set or the content of a user's file, with overridden settings.
 
     Attributes:
         name: name of the gain set, or of the file without its folder.
@@ -29,7 +29,7 @@ class GainsChoice:
 
     @classmethod
     def read(cls, gains: str, settings: Iterable[str] = ()) -> Self:
-        """What the options of the command line ask for.
+        """The gains that the options of the command line name.
 
         Args:
             gains: name of a gain set, or path of a TOML file.

@@ -16,7 +16,7 @@ _SUFFIXES = (".py", ".toml")
 
 
 def running_code() -> dict[str, str]:
-    """What a record depends on beside its job: versions, and digests of this package and of each plugin."""
+    """Everything on which a record depends besides its job: versions, and digests of package and plugins."""
     plugins = {f"plugin {name}": digest for name, digest in loaded_plugins().items()}
     return {**list_versions(), "sources": source_digest(), **plugins}
 

@@ -1,4 +1,4 @@
-"""Controllers of a command: registered ones and a user's own, made for environments in whichever process."""
+"""Controllers of a command, registered or a user's own, made for environments in any process."""
 
 import inspect
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ Controller = ControllerSpec | Predictor
 
 @dataclass(frozen=True)
 class Controllers:
-    """Where the controllers of a command come from.
+    """Source of the controllers of a command.
 
     Attributes:
         codes: users' code that the command line names; handed to worker processes, never stored.
@@ -46,7 +46,7 @@ class Controllers:
         raise UnknownNameError("controller of a user", choice.name, [code.label for code in self.codes])
 
     def runs_on(self, choice: ControllerChoice, env: gymnasium.Env[Any, Any]) -> bool:
-        """Whether an environment observes what a controller reads; a class with `predict` may try all."""
+        """Whether an environment observes what a controller reads; always true for a class with `predict`."""
         controller = self.find(choice)
         if isinstance(controller, Predictor):
             return True
@@ -86,7 +86,7 @@ class Controllers:
             return make_baseline(controller, env, **values)
 
     def try_out(self, choice: ControllerChoice, env: gymnasium.Env[Any, Any]) -> Policy:
-        """Make a controller and, if it is a user's, ask it for one action, so that faults are found early.
+        """Make a controller and, if it is a user's, request one action, so that faults are found early.
 
         Raises:
             PRPError: see `make`.

@@ -1,4 +1,4 @@
-"""What a job is: a policy on an environment in a scenario, evaluated in whichever process."""
+"""What a job is: a policy on an environment in a scenario, evaluated in any process."""
 
 import platform
 from collections.abc import Mapping
@@ -48,7 +48,7 @@ class Job(Protocol):
 
 @dataclass(frozen=True)
 class JobResult:
-    """What a worker hands over.
+    """Result that a worker returns.
 
     Attributes:
         record: record that the job produced.
@@ -89,9 +89,9 @@ def make_record(
         evaluation: evaluation of the policy.
         policy: name of the policy.
         settings: settings of the policy.
-        revisions: behaviour revisions of what the evaluation depends on beside the task: controller or
-            task on which an agent was trained.
-    """
+            revisions: behaviour revisions on which the evaluation depends besides that of its task: that of the
+            controller, or of the task on which an agent was trained.
+        """
     described = describe_evaluation(evaluation, policy, settings)
     task = task_revision(str(described["environment"]))
     record: Record = to_plain({**described, "revisions": {"task": task, **revisions}})

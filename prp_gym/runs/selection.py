@@ -1,4 +1,4 @@
-"""`Selection`: the environments, scenarios and controllers that a command is asked for, all checked."""
+"""`Selection`: the checked environments, scenarios and controllers of a command."""
 
 import itertools
 from collections.abc import Iterable, Sequence
@@ -17,13 +17,13 @@ from prp_gym.tasks.scenario import SCENARIOS
 
 @dataclass(frozen=True)
 class Selection:
-    """What a command is to evaluate.
+    """Environments, scenarios and controllers that a command evaluates.
 
     Attributes:
         conditions: environment ids and scenarios.
         choices: controllers with their gains.
-        controllers: where these come from.
-        named: names of the controllers that were asked for; empty if all are meant.
+        controllers: source of the controllers.
+        named: names of the controllers that the options name; empty if they name none.
     """
 
     conditions: tuple[tuple[str, str], ...]
@@ -39,12 +39,13 @@ class Selection:
         controllers: Sequence[str],
         gains: GainsChoice,
     ) -> Self:
-        """The selection that options name; without a name all environments or controllers are meant.
+        """The selection that options name; without names, all environments or controllers are selected.
 
         Args:
             environments: environment ids.
             scenarios: names of the scenarios.
-            controllers: names, or code of a user's as `path/to/file.py:Name` or `package.module:Name`.
+            controllers: names of controllers, or a user's code as `path/to/file.py:Name` or
+                `package.module:Name`.
             gains: gains of all controllers; without controllers, those that have the gain set are selected.
 
         Raises:
@@ -75,10 +76,10 @@ class Selection:
         return list(dict.fromkeys(environment_id for environment_id, _ in self.conditions))
 
     def check_used(self, jobs: Iterable[object]) -> None:
-        """Refuse a controller that was asked for by name and runs on none of the environments.
+        """Refuse a controller that an option names and that runs on none of the environments.
 
         Raises:
-            InvalidValueError: there is one.
+            InvalidValueError: such a controller.
         """
         used = {job.controller.name for job in jobs if isinstance(job, EvaluationJob)}
         for name in self.named:

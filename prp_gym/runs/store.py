@@ -79,16 +79,16 @@ def _content(job: Job, record: Record) -> dict[str, Any]:
 
 
 def _is_left_behind(part: Path) -> bool:
-    """Whether a half written file is not being written: its process is this one, or is not alive."""
+    """Whether a partly written file was abandoned: its process is this one, or is not alive."""
     process = part.suffixes[-2].removeprefix(".")
     if not process.isdecimal():
         return False
     try:
         if int(process) != os.getpid():
-            os.kill(int(process), 0)  # asks only
+            os.kill(int(process), 0)  # sends no signal, only checks that the process exists
             return False
     except ProcessLookupError:
         return True
-    except PermissionError:  # alive, and somebody else's
+    except PermissionError:  # alive, of another user
         return False
     return True

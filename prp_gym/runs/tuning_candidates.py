@@ -19,7 +19,7 @@ def choose_controller(name: str, gains: GainsChoice) -> tuple[ControllerChoice, 
     """A controller by its name, or a user's own by its code.
 
     Args:
-        name: registered, or `path/to/file.py:Name` or `package.module:Name`.
+        name: registered name, or `path/to/file.py:Name` or `package.module:Name`.
         gains: gains from which the search starts.
 
     Raises:

@@ -1,7 +1,7 @@
 """Controllers that a user brings as a file or module of his own: found, loaded, and their errors reported.
 
-Where the code is comes from the command line alone: it is handed to worker processes and never stored. Jobs,
-results and journals hold its label and its digest.
+The location of the code comes from the command line only; it is passed to worker processes, never stored.
+Jobs, results and journals hold its label and its digest.
 """
 
 import hashlib
@@ -24,7 +24,7 @@ _FORMS = "path/to/file.py:Name or package.module:Name"
 
 @dataclass(frozen=True)
 class UserCode:
-    """Where a user's controller is.
+    """Location of a user's controller.
 
     Attributes:
         label: label of the controller, `file.py:Name` without folders or `package.module:Name`.
@@ -87,7 +87,7 @@ class UserCode:
 
 @contextmanager
 def report_failed_making(defined: Any, environment_id: str) -> Iterator[None]:
-    """Report what goes wrong in a user's code as a policy is made of it.
+    """Report errors that a user's code raises while a policy is made from it.
 
     Args:
         defined: class whose module is the code.
@@ -107,7 +107,7 @@ def report_failed_making(defined: Any, environment_id: str) -> Iterator[None]:
 
 @contextmanager
 def report_failed_acting(defined: Any, environment_id: str) -> Iterator[None]:
-    """Report what goes wrong as a policy of a user's code is asked for actions.
+    """Report errors that a policy of a user's code raises while it computes actions.
 
     Args:
         defined: class whose module is the code.

@@ -9,7 +9,7 @@ from prp_gym.tuning.search_space import Parameter
 
 
 class Space(Protocol):
-    """The settings that a controller may be given, around those that it has; see `SearchSpace`."""
+    """The settings over which a search runs, around those of a controller; see `SearchSpace`."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -17,7 +17,7 @@ class Space(Protocol):
 
     @property
     def start(self) -> dict[str, float]:
-        """The factors that give the settings around which the space lies."""
+        """The factors that give the settings at the centre of the space."""
 
     def settings(self, factors: Mapping[str, float]) -> dict[str, Any]:
         """The settings that factors give, by name."""

@@ -1,4 +1,4 @@
-"""Episodes that one candidate after the other runs, for their scores alone."""
+"""Episodes on which candidates are scored, without a recording."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -33,7 +33,7 @@ class Episodes:
     They are simulated side by side for a policy that takes several observations at once, else one by one.
 
     Args:
-        env: an environment of this suite; wrappers are passed over.
+        env: environment of this suite; its wrappers are ignored.
         seeds: seeds of the episodes, at least one.
 
     Raises:

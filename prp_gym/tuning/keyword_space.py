@@ -1,4 +1,4 @@
-"""`KeywordSpace`: what tuning may change of a class with `predict` that a user brings."""
+"""`KeywordSpace`: the search space of a user's class with `predict`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

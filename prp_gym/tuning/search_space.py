@@ -36,7 +36,7 @@ GROUPS: Mapping[tuple[str, int], Mapping[str, slice]] = {
         "coulomb_friction": slice(9, 12),
     },
 }
-"""Components of a vector that share a parameter, by what the vector is of and by its length."""
+"""Components of a vector that share a parameter, by the vector's quantity and length."""
 
 DEFAULT_RANGE = (0.1, 10.0)
 """Range of the factor on each vector setting of a controller that declares no search space [1]."""
@@ -65,7 +65,7 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class SearchSpace:
-    """The settings that a controller may be given, around those that it has.
+    """The settings over which a search runs, around those of a controller.
 
     Attributes:
         centre: the controller's settings where every factor is 1, vectors at their full length.
@@ -140,7 +140,7 @@ def _expand(name: str, row: Mapping[str, Any], settings: Settings) -> Iterator[P
 
 
 def _range(name: str, given: Any) -> tuple[float, float]:
-    """The least and the largest factor."""
+    """The smallest and the largest factor."""
     try:
         low, high = (float(value) for value in given)
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""What is tuned, with what, and on which episodes."""
+"""`TuningTask`: the controller that is tuned, its budget and its episodes."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ class TuningTask:
         scenario: scenario of the environment.
         control_frequency: control frequency of the environment [Hz].
         budget: control steps that may be simulated, of all environments together.
-        episodes: number of episodes of every candidate, the same ones for all.
+        episodes: number of episodes of every candidate; all candidates have the same episodes.
         seed: seed of the search and of its episodes.
 
     Raises:

@@ -10,9 +10,9 @@ class Trial:
 
     Attributes:
         factors: factors of the search space, by the names of its parameters.
-        score: mean over the episodes [1].
-        steps: control steps that it counts against the budget.
-        seconds: wall time that it took [s].
+        score: mean score over the episodes [1].
+        steps: control steps that the trial uses of the budget.
+        seconds: wall time of the trial [s].
     """
 
     factors: Mapping[str, float]

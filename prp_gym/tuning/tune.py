@@ -84,7 +84,7 @@ def make_candidates(task: TuningTask, env: gymnasium.Env[Any, Any]) -> Candidate
     """The candidates for a registered controller, around the gains from which a search of it starts.
 
     Args:
-        task: what is tuned.
+        task: controller, environment and budget.
         env: the environment of the task.
 
     Raises:
@@ -113,17 +113,17 @@ def tune(
     counts as if all its episodes had been simulated.
 
     Args:
-        task: what is tuned.
+        task: controller, environment and budget.
         env: the environment of the task.
-        candidates: policies by their factors.
+        candidates: policies that the search evaluates, by their factors.
         study: search method that proposes factors.
-        on_trial: called after each trial that is run, for progress bars.
+        on_trial: function that is called after each new trial, for progress bars.
 
     Returns:
         the trials and the best settings.
 
     Raises:
-        InvalidValueError: a budget for not even one candidate.
+        InvalidValueError: a budget that is too small for one candidate.
     """
     seeds = range(task.first_seed, task.first_seed + episodes_to_run(env, task.episodes))
     episodes = Episodes(env, seeds)

@@ -1,4 +1,4 @@
-"""Tuned controllers as files: what was found, with what, and how to make a policy of it."""
+"""Tuned controllers as files: the settings that a search found, and the policies made from them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -49,13 +49,13 @@ class TunedController:
         episodes: number of episodes of each candidate.
         seconds: wall time of the search [s].
         history: control steps and best score so far, wherever it rose, and at the end.
-        score: mean over the training episodes [1].
+        score: mean score over the training episodes [1].
         score_of_tuned: mean score of the first candidate, on the same episodes [1].
-        validation: the same scores on other episodes.
+        validation: scores of the same settings on other episodes.
         seed: seed of the search.
         command: command line that ran the search.
         versions: versions of Python and of the packages that the result depends on.
-        code: name and SHA-256 of a user's own controller; empty for a registered one.
+        code: name and SHA-256 of a user's controller; empty for a registered one.
     """
 
     environment: str

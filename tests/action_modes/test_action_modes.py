@@ -181,7 +181,7 @@ def test_residual_is_never_more_than_a_share_of_the_robots_own_limits(
     env.step(np.ones(3))
     still.step(np.zeros(3))
     added = env.commanded_torque - still.commanded_torque
-    # the controller's torque is a float32 share of a limit of up to 1e6, equal in both: its difference is 0
+    # the controller's torque, a float32 share of a limit up to 1e6, is equal in both: the difference is exact
     np.testing.assert_allclose(added, field.bound, rtol=1e-9)
 
 
