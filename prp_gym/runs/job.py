@@ -91,7 +91,7 @@ def make_record(
         settings: settings of the policy.
             revisions: behaviour revisions on which the evaluation depends besides that of its task: that of the
             controller, or of the task on which an agent was trained.
-        """
+    """
     described = describe_evaluation(evaluation, policy, settings)
     task = task_revision(str(described["environment"]))
     record: Record = to_plain({**described, "revisions": {"task": task, **revisions}})
