@@ -89,8 +89,8 @@ def make_record(
         evaluation: evaluation of the policy.
         policy: name of the policy.
         settings: settings of the policy.
-            revisions: behaviour revisions on which the evaluation depends besides that of its task: that of the
-            controller, or of the task on which an agent was trained.
+        revisions: behaviour revisions beside that of the task: that of the controller, or of the task on
+            which an agent was trained.
     """
     described = describe_evaluation(evaluation, policy, settings)
     task = task_revision(str(described["environment"]))
