@@ -179,7 +179,7 @@ def test_environments_are_made_in_a_fresh_interpreter_that_imports_nothing() -> 
     )
     assert done.returncode == 0, done.stderr
     total = float(together("PRP-Impedance-v0", num_envs=2).reset(seed=0)[0].sum()).hex()
-    assert done.stdout.split() == ["ImpedanceVectorEnv", "2", "PRP-Impedance-v0", total]
+    assert done.stdout.split() == ["PRPVectorEnv", "2", "PRP-Impedance-v0", total]
 
 
 @pytest.mark.parametrize("environment_id", IDS)
