@@ -35,17 +35,26 @@ VALIDATION_EPISODES = 100
 RESULT = "result.json"
 
 
+ControllerArgument = Annotated[
+    str | None,
+    typer.Argument(help="Controller to tune, or your own as path/to/file.py:Name or package.module:Name."),
+]
+ControllerOption = Annotated[
+    str | None, typer.Option("--baseline", help="Controller to tune, as an option in place of the argument.")
+]
+StartGains = Annotated[
+    str | None,
+    typer.Option(
+        help="Gains from which the search starts: the name of a gain set, or a TOML file of settings. "
+        "Default: tuned, or tuned_50hz where that is unstable."
+    ),
+]
+
+
 def tune_command(
     env: Annotated[str, typer.Option(help="Environment id.")],
-    controller: Annotated[
-        str | None,
-        typer.Argument(
-            help="Controller to tune, or your own as path/to/file.py:Name or package.module:Name.",
-        ),
-    ] = None,
-    baseline: Annotated[
-        str | None, typer.Option(help="Controller to tune, as an option in place of the argument.")
-    ] = None,
+    controller: ControllerArgument = None,
+    baseline: ControllerOption = None,
     budget: Annotated[
         int | None, typer.Option(help="Control steps to simulate at most, of all environments together.")
     ] = None,
@@ -59,13 +68,7 @@ def tune_command(
     control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
     episodes: Annotated[int, typer.Option(help="Training episodes of every candidate.")] = 20,
     seed: Annotated[int, typer.Option(help="Seed of the search and of its training episodes.")] = 0,
-    gains: Annotated[
-        str | None,
-        typer.Option(
-            help="Gains from which the search starts: the name of a gain set, or a TOML file of settings. "
-            "Default: tuned, or tuned_50hz where that is unstable."
-        ),
-    ] = None,
+    gains: StartGains = None,
     settings: Settings = None,
     output: Annotated[Path, typer.Option(help="Folder for the folder of the search.")] = Path("tuning"),
     resume: Annotated[
