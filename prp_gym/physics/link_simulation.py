@@ -10,7 +10,7 @@ from prp_gym.physics.batch_simulation import NO_COLUMNS, SensorLayout, Simulatio
 from prp_gym.physics.link_fields import LinkFields
 from prp_gym.physics.link_mjcf import link_to_mjcf
 from prp_gym.physics.model_fields import Ids
-from prp_gym.physics.scene import check_timestep
+from prp_gym.physics.scene import check_timestep, compile_mjcf
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, LinkParameters
 
@@ -50,7 +50,7 @@ class LinkPhysics(Simulation):
         super().__init__(num_simulations, num_threads)
 
     def _compile(self) -> mujoco.MjModel:
-        return mujoco.MjModel.from_xml_string(link_to_mjcf(self.parameters, self._timestep))
+        return compile_mjcf(link_to_mjcf(self.parameters, self._timestep))
 
     def _make_fields(self, batch: Batch) -> LinkFields:
         return LinkFields(batch)

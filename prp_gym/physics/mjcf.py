@@ -6,7 +6,16 @@ from dataclasses import dataclass
 import mujoco
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.physics.scene import FLOOR_HEIGHT, check_timestep, geom, inertial, motors, numbers, opening
+from prp_gym.physics.scene import (
+    FLOOR_HEIGHT,
+    check_timestep,
+    compile_mjcf,
+    geom,
+    inertial,
+    motors,
+    numbers,
+    opening,
+)
 from prp_gym.physics.surface import IMPEDANCE, IMPEDANCE_RATIO
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
@@ -68,8 +77,8 @@ def to_mjcf(parameters: RobotParameters = NOMINAL, settings: PhysicsSettings | N
 
 
 def compile_model(parameters: RobotParameters, settings: PhysicsSettings) -> mujoco.MjModel:
-    """The compiled model of `to_mjcf`."""
-    return mujoco.MjModel.from_xml_string(to_mjcf(parameters, settings))
+    """The compiled model of `to_mjcf`, as a copy that the caller may change."""
+    return compile_mjcf(to_mjcf(parameters, settings))
 
 
 def _joint(parameters: RobotParameters, index: int, kind: str, axis: str, limited: bool) -> str:

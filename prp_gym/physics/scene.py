@@ -1,6 +1,10 @@
 """Parts of the MJCF documents of all robots: integration, light, floor, cameras."""
 
+import copy
 import math
+from functools import lru_cache
+
+import mujoco
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.parameters import Vector3
@@ -24,7 +28,7 @@ _OPTIONS = """
 _SCENERY = """
 <asset>
   <texture name="sky" type="skybox" builtin="gradient" rgb1="0.80 0.88 0.95" rgb2="0.45 0.55 0.68"
-           width="256" height="256"/>
+           width="32" height="32"/>
   <texture name="floor" type="2d" builtin="checker" rgb1="0.62 0.64 0.66" rgb2="0.55 0.57 0.60"
            width="256" height="256"/>
   <material name="floor" texture="floor" texrepeat="5 5" texuniform="true" reflectance="0"/>
@@ -95,3 +99,13 @@ def motors(joints: tuple[str, ...]) -> str:
     """A motor without gear or limit for each joint, named like the joint."""
     each = (f'<motor name="{joint}" joint="{joint}"/>' for joint in joints)
     return "<actuator>" + "".join(each) + "</actuator>"
+
+
+def compile_mjcf(document: str) -> mujoco.MjModel:
+    """A copy of the compiled model of an MJCF document; equal documents are compiled once."""
+    return copy.copy(_compiled(document))
+
+
+@lru_cache(maxsize=16)
+def _compiled(document: str) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(document)
