@@ -40,6 +40,7 @@ class FolderLock:
             FolderInUseError: another process holds the lock.
             OutputError: the folder cannot be made or written to.
         """
+        made = not self._folder.exists()
         descriptor = self._acquire()
         try:
             remove_leftovers(self._folder)
@@ -49,6 +50,9 @@ class FolderLock:
                 with suppress(OSError):
                     self._path.unlink()  # before the lock ends, so that nobody else has it yet
             os.close(descriptor)
+            if made:
+                with suppress(OSError):  # it holds files
+                    self._folder.rmdir()
 
     def _acquire(self) -> int:
         """Descriptor of the locked file, which is still the one of this name."""

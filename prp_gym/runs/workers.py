@@ -10,12 +10,13 @@ from importlib.util import find_spec
 from typing import Any, TypeVar
 
 import joblib
+from cloudpickle import register_pickle_by_value
 from joblib.externals.loky import get_reusable_executor
 
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
 from prp_gym.plugins import load_modules, loaded_plugins
+from prp_gym.processes import parent
 from prp_gym.processes.interruption import relisten
-from prp_gym.processes.parent import end_with_parent
 
 _PATIENCE = 10  # s, that is waited for an answer or for more work
 
@@ -99,11 +100,12 @@ def _parallel(jobs: int, **options: Any) -> Any:
 def _processes(jobs: int, items: int) -> Iterator[Any]:
     """Processes of this machine, each with one thread for linear algebra, which end with this process."""
     count = min(jobs or joblib.cpu_count(), items)
+    register_pickle_by_value(parent)  # so that a worker waits for its parent's end before it imports anything
     with joblib.parallel_config("loky", inner_max_num_threads=1):
         parallel = _parallel(
             count,
             idle_worker_timeout=_PATIENCE,
-            initializer=end_with_parent,
+            initializer=parent.end_with_parent,
             initargs=(os.getpid(),),
         )
     try:

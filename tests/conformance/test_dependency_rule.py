@@ -47,7 +47,7 @@ MORE_THIRD_PARTY = {
     "comparison": {"matplotlib", "rich"},
     "evaluation": {"rich"},
     "reproduction": {"matplotlib", "rich"},
-    "runs": {"joblib", "ray", "rich"},
+    "runs": {"cloudpickle", "joblib", "ray", "rich"},
     "tuning": {"optuna"},
 }
 
