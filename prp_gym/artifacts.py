@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, OutputError
+from prp_gym.processes.leftovers import part_of
 
 _PACKAGES = ("prp-gym", "gymnasium", "mujoco", "numpy")
 
@@ -60,6 +61,16 @@ def prepare_folder(folder: Path) -> None:
         raise OutputError(folder, error) from error
 
 
+def require_folder(folder: Path) -> None:
+    """Check that a folder is still there, before a file of a run is written into it.
+
+    Raises:
+        OutputError: somebody has removed or renamed it.
+    """
+    if not folder.is_dir():
+        raise OutputError(folder, "the folder was removed or renamed during the run")
+
+
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON file atomically: it is complete, or it does not exist.
 
@@ -84,10 +95,13 @@ def write_file(path: Path, content: bytes) -> None:
     Raises:
         OutputError: the folder cannot be made or written to.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = part_of(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(content)
+        with part.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())  # or a crash of the machine could leave a name without content
         os.replace(part, path)
     except OSError as error:
         raise OutputError(path, error) from error

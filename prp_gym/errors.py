@@ -129,10 +129,27 @@ class CheckpointError(PRPError, RuntimeError):
 class RunFolderError(PRPError, RuntimeError):
     """The folder of a training run in which a training can neither start nor resume."""
 
-    def __init__(self, path: object, reason: str) -> None:
+    def __init__(self, path: object, reason: str, remedy: str = "To start over, give --fresh") -> None:
         self.path = str(path)
         self.reason = reason
-        super().__init__(f"run folder {self.path!r}: {reason}. To start over, give --fresh.")
+        self.remedy = remedy
+        super().__init__(f"run folder {self.path!r}: {reason}. {remedy}.")
+
+
+class FolderInUseError(PRPError, RuntimeError):
+    """A folder into which another process is writing."""
+
+    def __init__(self, path: object, holder: object) -> None:
+        self.path = str(path)
+        self.holder = str(holder)
+        super().__init__(
+            f"folder {self.path!r} is in use by {self.holder}. Wait until that has ended or end it, or choose"
+            " another folder."
+        )
+
+
+class ForkError(PRPError, RuntimeError):
+    """A simulation that a forked process cannot take over from its parent."""
 
 
 class OutputError(PRPError, RuntimeError):

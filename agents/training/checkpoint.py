@@ -1,5 +1,6 @@
 """Checkpoints of training: written atomically, as plain arrays and numbers that need no unpickling."""
 
+import io
 import json
 import os
 import shutil
@@ -15,7 +16,7 @@ import torch
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.model import Learner
 from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState, Violations
-from prp_gym.artifacts import to_plain
+from prp_gym.artifacts import require_folder, to_plain
 from prp_gym.errors import CheckpointError, OutputError
 
 _PREFIX = "checkpoint-"
@@ -30,6 +31,11 @@ def find_checkpoint(folder: Path) -> list[Path]:
     return sorted(folder.glob(f"{_PREFIX}*"))[-1:]
 
 
+def checkpoint_steps(folder: Path) -> int:
+    """Number of training steps from which a run in a folder would go on; 0 without a checkpoint."""
+    return max((int(path.name.removeprefix(_PREFIX)) for path in find_checkpoint(folder)), default=0)
+
+
 def write_checkpoint(folder: Path, learner: Learner, state: TrainingState) -> None:
     """Write everything that a resumed training needs, then remove the previous checkpoint.
 
@@ -39,14 +45,15 @@ def write_checkpoint(folder: Path, learner: Learner, state: TrainingState) -> No
         state: progress of the run.
 
     Raises:
-        OutputError: the folder cannot be written to.
+        OutputError: the folder was removed, or cannot be written to; the previous checkpoint stays.
     """
+    require_folder(folder)
     target = folder / f"{_PREFIX}{learner.model.num_timesteps:012d}"
     part = folder / f".{target.name}.part"
     try:
         if not target.exists():
             shutil.rmtree(part, ignore_errors=True)
-            part.mkdir(parents=True)
+            part.mkdir()
             _write_parts(part, learner, state)
             os.rename(part, target)
             _sync(folder)
@@ -55,18 +62,28 @@ def write_checkpoint(folder: Path, learner: Learner, state: TrainingState) -> No
                 shutil.rmtree(old, ignore_errors=True)
     except OSError as error:
         raise OutputError(target, error) from error
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+
+
+def remove_incomplete(folder: Path) -> None:
+    """Remove checkpoints that were not written to their end."""
+    for path in folder.glob(f".{_PREFIX}*.part"):
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def remove_checkpoints(folder: Path) -> None:
     """Remove all checkpoints of a run, including incomplete ones."""
-    for pattern in (f"{_PREFIX}*", f".{_PREFIX}*.part"):
-        for path in folder.glob(pattern):
-            shutil.rmtree(path, ignore_errors=True)
+    remove_incomplete(folder)
+    for path in folder.glob(f"{_PREFIX}*"):
+        shutil.rmtree(path, ignore_errors=True)
 
 
 def _write_parts(folder: Path, learner: Learner, state: TrainingState) -> None:
     model: Any = learner.model
-    torch.save(_tensors(model, state), folder / _TENSORS)
+    tensors = io.BytesIO()  # torch itself reports a full disk as an error of its own kind
+    torch.save(_tensors(model, state), tensors)
+    (folder / _TENSORS).write_bytes(tensors.getbuffer())
     arrays = _arrays(learner, state)
     np.savez(folder / _ARRAYS, **arrays)
     if getattr(model, "replay_buffer", None) is not None:

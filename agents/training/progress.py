@@ -12,7 +12,7 @@ from prp_gym.agents.training.held_out import HeldOutEpisodes
 from prp_gym.agents.training.model import Learner
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState
-from prp_gym.artifacts import write_json
+from prp_gym.artifacts import require_folder, write_json
 
 _TELL_EVERY = 0.5  # s
 
@@ -116,5 +116,6 @@ class TrainingProgress(BaseCallback):
         self._clock = now
 
     def _tell(self) -> None:
+        require_folder(self._folder.path)
         write_json(self._folder.progress, {"steps": self.model.num_timesteps})
         self._told = time.perf_counter()

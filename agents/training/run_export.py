@@ -63,7 +63,7 @@ def export_run(path: Path) -> None:
     """
     folder = RunFolder(path.resolve())
     if not folder.is_finished:
-        raise RunFolderError(path, "it holds no finished run")
+        raise RunFolderError(path, "it holds no finished run", "Train it to the end first")
     content = require("yaml").safe_load(folder.config.read_text(encoding="utf-8"))
     algorithm, environment_id = content.pop("algorithm"), content.pop("environment")
     recipe = make_recipe(algorithm, environment_id, content)

@@ -1,10 +1,9 @@
 """`RunFolder`: the files of a training run, and whether it is finished or may be resumed."""
 
-import fcntl
 import json
 import shutil
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -14,8 +13,10 @@ from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import Recipe
 from prp_gym.artifacts import list_versions, prepare_folder, to_plain, write_file, write_json
 from prp_gym.errors import InvalidValueError, RunFolderError
+from prp_gym.processes.folder_lock import LOCK, FolderLock
 
-_LOCK = ".lock"
+_RESERVED = ".command.lock"
+_LOCKS = frozenset((LOCK, _RESERVED))
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
 
 
@@ -129,26 +130,24 @@ class RunFolder:
             raise RunFolderError(self.path, f"its settings cannot be read ({error})") from error
         differences = _differences(there, to_plain({**recipe.to_plain(), **settings}))
         if differences:
-            raise RunFolderError(self.path, f"it was trained with other settings: {'; '.join(differences)}")
+            raise RunFolderError(
+                self.path,
+                f"it was trained with other settings: {'; '.join(differences)}",
+                "To train with the present ones, choose another folder, or start over with --fresh",
+            )
 
-    @contextmanager
-    def hold(self) -> Iterator[None]:
+    def hold(self) -> AbstractContextManager[None]:
         """Lock the run against other processes of this machine, until the block or this process ends.
 
         Raises:
-            RunFolderError: another process holds the lock.
+            FolderInUseError: another process holds the lock.
             OutputError: the folder cannot be made or written to.
         """
-        prepare_folder(self.path)
-        with (self.path / _LOCK).open("w") as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise RunFolderError(self.path, "another process is training there") from None
-            try:
-                yield
-            finally:
-                (self.path / _LOCK).unlink(missing_ok=True)
+        return FolderLock(self.path).hold()
+
+    def reserve(self) -> AbstractContextManager[None]:
+        """Lock the run against other commands, before any of a command's seeds is trained; see `hold`."""
+        return FolderLock(self.path, _RESERVED).hold()
 
     def remove(self) -> None:
         """Remove the files of the run.
@@ -157,7 +156,7 @@ class RunFolder:
             InvalidValueError: a folder that holds files but no run.
         """
         if self.path.exists():
-            if {path.name for path in self.path.iterdir()} - {_LOCK} and not (
+            if {path.name for path in self.path.iterdir()} - _LOCKS and not (
                 self.is_begun or self.run.exists()
             ):
                 raise InvalidValueError(
@@ -166,7 +165,7 @@ class RunFolder:
             for path in self.path.iterdir():
                 if path.is_dir():
                     shutil.rmtree(path)
-                elif path.name != _LOCK:
+                elif path.name not in _LOCKS:
                     path.unlink()
 
 

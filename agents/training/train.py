@@ -15,6 +15,7 @@ from prp_gym.agents.training.checkpoint import (
     find_checkpoint,
     read_resumes,
     remove_checkpoints,
+    remove_incomplete,
     restore_checkpoint,
 )
 from prp_gym.agents.training.finish import finish_run
@@ -25,7 +26,9 @@ from prp_gym.agents.training.recipes import FIRST_HELD_OUT_SEED, Recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import CurveRow, TrainingState
 from prp_gym.artifacts import write_json
-from prp_gym.errors import RunFolderError
+from prp_gym.errors import OutputError, RunFolderError
+
+_TO_GO_ON = "To resume it, give --resume; to start over, --fresh"
 
 ON_EXISTING = ("refuse", "resume", "fresh")
 
@@ -85,7 +88,7 @@ def is_ready(job: TrainingJob) -> bool:
         return False
     folder.check_same(job.recipe, job.settings)
     if not folder.is_finished and job.existing != "resume":
-        raise RunFolderError(job.folder, "it holds an unfinished run. To resume it, give --resume")
+        raise RunFolderError(job.folder, "it holds an unfinished run", _TO_GO_ON)
     return folder.is_finished
 
 
@@ -105,22 +108,29 @@ def train(job: TrainingJob, report: Callable[[CurveRow], None] = _ignore) -> dic
     Raises:
         RunFolderError: a run in the folder that may not be resumed, or that has other settings.
         CheckpointError: a damaged checkpoint.
-        OutputError: the folder cannot be written to.
+        FolderInUseError: another process trains in the folder.
+        OutputError: the folder was removed or cannot be written to, as when the disk is full.
         PRPError: keywords that the environment refuses.
     """
     folder = RunFolder(job.folder)
     if is_ready(job):
         return folder.read_result()
-    with folder.hold():
-        return _train(job, folder, report)
+    try:
+        with folder.hold():
+            return _train(job, folder, report)
+    except OSError as error:  # of TensorBoard's writer, for instance
+        raise OutputError(job.folder, error) from error
 
 
 def _train(job: TrainingJob, folder: RunFolder, report: Callable[[CurveRow], None]) -> dict[str, Any]:
     """Train in a folder that this process has locked."""
+    if is_ready(job):  # finished by another process just before
+        return folder.read_result()
     if job.existing == "fresh":
         folder.remove()
     if not folder.is_begun:
         _begin(job, folder)
+    remove_incomplete(job.folder)
     found = find_checkpoint(job.folder)
     resumes = read_resumes(found[0]) + 1 if found else 0
     with closing(make_learner(job.recipe, job.seed, resumes)) as learner:

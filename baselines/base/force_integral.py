@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, dot, norm
 
 Memory = tuple[Array, ...]
 
@@ -33,8 +33,7 @@ class ForceError(NamedTuple):
 
     def along(self, vector: Array) -> Array:
         """The component (..., 1) of a vector (..., 3) along the axis."""
-        component: Array = np.sum(self.axis * vector, axis=-1, keepdims=True)
-        return component
+        return dot(self.axis, vector)[..., None]
 
     @classmethod
     def of(cls, desired: Array, measured: Array) -> "ForceError":
@@ -44,11 +43,11 @@ class ForceError(NamedTuple):
             desired: f_d (..., 3) by the tip on the surface, world frame [N].
             measured: f_e (..., 3), likewise [N].
         """
-        size = np.linalg.norm(desired, axis=-1, keepdims=True)
+        size = norm(desired)[..., None]
         along = np.where(size > 0.0, desired, measured)
-        length = np.linalg.norm(along, axis=-1, keepdims=True)
+        length = norm(along)[..., None]
         axis = np.divide(along, length, out=np.zeros(along.shape), where=length > 0.0)
-        return cls(axis, size, np.sum(axis * measured, axis=-1, keepdims=True))
+        return cls(axis, size, dot(axis, measured)[..., None])
 
 
 class RateScaling(NamedTuple):

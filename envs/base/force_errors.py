@@ -3,7 +3,7 @@
 import numpy as np
 
 from prp_gym.envs.base.motion_errors import SCORED_ANGLES
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, dot, norm
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 
@@ -24,13 +24,13 @@ class ForceErrors(ErrorFunction):
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         """(..., 4, 3): force [N], tip position along the surface [m], α and β [rad], torque [N m, N, N m]."""
         desired, force = ground_truth[..., self._desired_force], ground_truth[..., self._force]
-        magnitude = np.sqrt(np.vecdot(desired, desired))
+        magnitude = norm(desired)
         inward = desired / magnitude[..., None]
         pose_error = ground_truth[..., self._desired] - ground_truth[..., self._measured]
         deviation = pose_error[..., :3]
         errors = np.zeros((*torque.shape[:-1], 4, 3))
-        errors[..., 0, 0] = magnitude - np.vecdot(force, inward)
-        errors[..., 1, :] = deviation - np.vecdot(deviation, inward)[..., None] * inward
+        errors[..., 0, 0] = magnitude - dot(force, inward)
+        errors[..., 1, :] = deviation - dot(deviation, inward)[..., None] * inward
         errors[..., 2, :SCORED_ANGLES] = pose_error[..., 3 : 3 + SCORED_ANGLES]
         errors[..., 3, :] = torque
         return errors

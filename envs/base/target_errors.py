@@ -76,20 +76,20 @@ class DynamicTargetErrors(TargetErrors):
 
     def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
         super().__init__(setup, layout)
-        self._motion = np.zeros((0, 6, 4))  # displacement, its rate, force at start and end of a period
+        self._motion = np.zeros((4, 0, 6))  # displacement, its rate, force at start and end of a period
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         """See `ErrorFunction.begin`: the model starts at rest, on the reference."""
-        if len(self._motion) == 0:
-            self._motion = np.zeros((len(ids), 6, 4))
-        self._motion[ids] = 0.0
+        if self._motion.shape[1] == 0:
+            self._motion = np.zeros((4, len(ids), 6))
+        self._motion[:, ids] = 0.0
 
     def advance(self, ground_truth: Array) -> None:
         """See `ErrorFunction.advance`."""
-        self._motion[:, :3, 3] = ground_truth[:, self._force]
+        self._motion[3, :, :3] = ground_truth[:, self._force]
         self.target.follow(self._motion)
 
     def complete(self, ground_truth: Array) -> None:
         """See `ErrorFunction.complete`; the present force, also after a reset, starts the next period."""
-        self._motion[:, :3, 2] = ground_truth[:, self._force]
-        self.write_model_pose(ground_truth, self._motion[..., 0])
+        self._motion[2, :, :3] = ground_truth[:, self._force]
+        self.write_model_pose(ground_truth, self._motion[0])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.core.info import COMMON_INFO, CONTACT_INFO, InfoField
 from prp_gym.physics.batch_simulation import Simulation
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, norm, total
 from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.task import Task
 
@@ -43,7 +43,7 @@ class StepScoring:
         bound = float(task.numbers.constants.get("force_bound", np.inf))
         self._force_bound = np.full(num_envs, bound)
         self._frequency = np.full(num_envs, frequency)
-        self._shape, self._ones = (num_envs, len(self.info_fields)), np.ones((num_envs, len(terms)))
+        self._shape = (num_envs, len(self.info_fields))
         self._terms = np.s_[:, : len(terms)]
         names = [field.name for field in self.info_fields]
         self._column = {name: np.s_[:, index] for index, name in enumerate(names)}
@@ -73,15 +73,15 @@ class StepScoring:
             info[self._column["cost_joint_stop"]] = count(self._physics.stop_violation)
         if self._has_contact:
             self._add_contact(info)
-        return np.vecdot(contributions, self._ones), info
+        return total(contributions), info
 
     def _add_contact(self, info: Array) -> None:
         force = self._physics.contact_force
-        magnitude = np.sqrt(np.vecdot(force, force))
+        magnitude = norm(force)
         info[self._column["contact_force"]] = magnitude
         info[self._column["cost_force_bound"]] = magnitude > self._force_bound
 
     def zero_reward(self, reward: Array, info: Array, rows: NDArray[np.bool_]) -> None:
         """Set the reward of some environments (a mask of N) and its terms in `info` to zero, in place."""
         reward[rows] = 0.0
-        info[rows, : self._ones.shape[1]] = 0.0
+        info[rows, self._terms[1]] = 0.0

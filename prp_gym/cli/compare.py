@@ -83,10 +83,11 @@ def compare_command(
     listed = list_comparison_jobs(selected, agents, episodes, seed, varied=audit)
     selected.check_used(listed)
     run = Run(output, workers, selected.controllers, fresh)
-    records = run.records(listed, "comparing")
-    outcome = Outcome.of(records, seed)
-    _draw(outcome, output)
-    run.write(listed, records, outcome.to_plain())
+    with run.hold(listed):
+        records = run.records(listed, "comparing")
+        outcome = Outcome.of(records, seed)
+        _draw(outcome, output)
+        run.write(listed, records, outcome.to_plain())
     _show(outcome, run)
 
 

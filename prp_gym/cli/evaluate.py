@@ -63,8 +63,9 @@ def evaluate_command(
     )
     selected.check_used(listed)
     run = Run(output, workers, selected.controllers, fresh)
-    records = run.records(listed, "evaluating")
-    run.write(listed, records, {})
+    with run.hold(listed):
+        records = run.records(listed, "evaluating")
+        run.write(listed, records, {})
     _show(records, run)
 
 

@@ -16,6 +16,7 @@ from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import AgentFacts, export_agent, identity_normalizer
 from prp_gym.cli.options import Plugins
 from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.registration import list_envs
 
@@ -57,7 +58,7 @@ def export_command(
     model, scale = _open(path, algorithm, normalizer)
     facts = AgentFacts(env, keywords, layout, _run_of(model, seed))
     policy = export_agent(model, scale, facts)
-    with closing(policy.make_env()):  # on which it can act
+    with closing(policy.make_env()), FolderLock(output.absolute().parent).hold():  # on which it can act
         tensors, card = save_agent(policy, output)
     typer.echo(f"agent: {tensors} and {card}")
 

@@ -15,6 +15,7 @@ from prp_gym.cli.ship import ship_command
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.errors import PRPError
+from prp_gym.processes.interruption import Interruption, interruptible
 from prp_gym.runs.terminal import make_console
 
 _USAGE_ERROR = 2
@@ -54,12 +55,20 @@ app.command("train")(train_command)
 
 
 def main() -> None:
-    """Run the command; an error of this package ends with its message and exit code 2."""
-    try:
-        app()
-    except PRPError as error:
-        make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
-        sys.exit(_USAGE_ERROR)
+    """Run the command.
+
+    An error of this package ends with its message and exit code 2. SIGINT, SIGTERM and SIGHUP end with a
+    message that says what was kept, and with exit code 130, 143 or 129.
+    """
+    with interruptible():
+        try:
+            app()
+        except PRPError as error:
+            make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
+            sys.exit(_USAGE_ERROR)
+        except Interruption as interruption:
+            make_console(stderr=True).print(interruption.message, markup=False, highlight=False)
+            sys.exit(interruption.exit_code)
 
 
 if __name__ == "__main__":

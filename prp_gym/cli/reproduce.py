@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.artifacts import prepare_folder
 from prp_gym.cli.options import Plugins
+from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
 from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
@@ -36,12 +36,12 @@ def reproduce_command(
     for experiment in chosen:
         for name in experiment.runs:
             check_names(catalogue.runs[name])
-    prepare_folder(output)
-    outcomes = _reproduce(chosen, catalogue, output)
-    answers = fill(catalogue.answers, outcomes)
-    command = shlex.join(["prp-gym", *sys.argv[1:]])
-    write_summary(output, outcomes, answers, command)
-    write_index(output, outcomes, answers, command)
+    with FolderLock(output).hold():
+        outcomes = _reproduce(chosen, catalogue, output)
+        answers = fill(catalogue.answers, outcomes)
+        command = shlex.join(["prp-gym", *sys.argv[1:]])
+        write_summary(output, outcomes, answers, command)
+        write_index(output, outcomes, answers, command)
     console = make_console(least=TABLE_WIDTH)
     console.print(verdict_table(outcomes))
     console.print(answers_table(answers))

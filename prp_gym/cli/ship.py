@@ -17,11 +17,14 @@ from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
-from prp_gym.artifacts import prepare_folder, to_plain, write_file
+from prp_gym.artifacts import to_plain, write_file
 from prp_gym.cli.options import Backend, FirstSeed, Plugins
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
+from prp_gym.processes.folder_lock import FolderLock
+from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
@@ -70,9 +73,9 @@ def ship_command(
         )
     for candidate in ready:
         candidate.check()
-    prepare_folder(output)
-    changed = _ship(ready, workers)
-    _show(ready, changed)
+    with FolderLock(output).hold():
+        changed = _ship(ready, workers)
+        _show(ready, changed)
     _tell("not trained yet, left out", missing)
     _tell("not in the list, left as they are", _leftovers(output, wanted))
 
@@ -164,8 +167,14 @@ def _score(policy: LearnedPolicy, scenario: str, episodes: int, seed: int) -> Sc
 
 def _ship(candidates: Sequence[Candidate], workers: Workers) -> list[Candidate]:
     """Write the agents with their scores; those whose files are new or changed."""
-    changed = []
-    with make_progress() as progress, closing(workers.run(score_agent, candidates)) as scored:
+    changed: list[Candidate] = []
+    for folder in {candidate.target.parent for candidate in candidates}:
+        remove_leftovers(folder)
+    with (
+        kept_if_interrupted(lambda: f"{len(changed)} agents are written; the same command writes the rest"),
+        make_progress() as progress,
+        closing(workers.run(score_agent, candidates)) as scored,
+    ):
         bar = progress.add_task("evaluating agents", total=len(candidates))
         for index, scores in scored:
             if _write(candidates[index], scores):

@@ -2,13 +2,14 @@
 
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
 from rich.progress import Progress
 from rich.table import Table
 
+from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
@@ -32,8 +33,8 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
         the results, in the order of `wanted`.
 
     Raises:
-        PRPError: a recipe that training refuses; unfinished runs that may not be resumed, before any training
-            begins.
+        PRPError: a recipe that training refuses; unfinished runs that may not be resumed, or that another
+            command is training, before any training begins.
     """
     from prp_gym.agents.training.train import is_ready, train
 
@@ -42,7 +43,12 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
     if results:
         _tell(make_console(stderr=True), f"{len(results)} of {len(wanted)} seeds are finished.")
     jobs = [wanted[index] for index in missing]
-    with _progress_of(jobs) as progress, closing(workers.run(train, jobs)) as trained:
+    with (
+        _reserved(jobs),
+        kept_if_interrupted(lambda: _kept(wanted)),
+        _progress_of(jobs) as progress,
+        closing(workers.run(train, jobs)) as trained,
+    ):
         for number, result in trained:
             results[missing[number]] = result
             best = result["best"]
@@ -53,6 +59,31 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
                 f"{len(results)} of {len(wanted)}: {_name(jobs[number])}, {outcome}, {minutes}",
             )
     return [results[index] for index in range(len(wanted))]
+
+
+@contextmanager
+def _reserved(jobs: Sequence["TrainingJob"]) -> Iterator[None]:
+    """Lock the folders of all seeds, so that no other command begins one of them meanwhile."""
+    from prp_gym.agents.training.run_folder import RunFolder
+
+    with ExitStack() as stack:
+        for job in jobs:
+            stack.enter_context(RunFolder(job.folder).reserve())
+        yield
+
+
+def _kept(jobs: Sequence["TrainingJob"]) -> str:
+    """What an interrupted command has kept; empty for nothing."""
+    from prp_gym.agents.training.checkpoint import checkpoint_steps
+    from prp_gym.agents.training.run_folder import RunFolder
+
+    folders = {job.folder: RunFolder(job.folder) for job in jobs}
+    finished = [job for job in jobs if folders[job.folder].is_finished]
+    begun = [job for job in jobs if job not in finished and folders[job.folder].is_begun]
+    kept = [f"{_name(job)} is kept at step {checkpoint_steps(job.folder)}" for job in begun]
+    if finished:
+        kept.insert(0, f"{len(finished)} of {len(jobs)} seeds are finished")
+    return "; ".join([*kept, "the same command with --resume goes on"]) if kept else ""
 
 
 def _name(job: "TrainingJob") -> str:

@@ -19,6 +19,8 @@ from prp_gym.artifacts import list_versions, to_plain, write_json
 from prp_gym.cli.options import Plugins, Settings
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.processes.folder_lock import FolderLock
+from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice
 from prp_gym.runs.code import running_code
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
@@ -86,15 +88,24 @@ def tune_command(
         choice = with_start_gains(choice, controllers, env, control_frequency)
     task = TuningTask(env, choice.name, scenario, control_frequency, steps, episodes, seed)
     folder = output / f"{env}_{choice.file_name}"
-    with closing(gymnasium.make(env, scenario=scenario, control_frequency=control_frequency)) as made:
+    with (
+        closing(gymnasium.make(env, scenario=scenario, control_frequency=control_frequency)) as made,
+        FolderLock(folder).hold(),
+    ):
         candidates = list_candidates(choice, controllers, made)
         study = StoredStudy(folder, candidates.space, _key(task, choice), seed, resume)
-        with controllers.reported(choice, made):
+        with controllers.reported(choice, made), kept_if_interrupted(lambda: _kept(study, folder)):
             tuned = _search(task, made, candidates, study)
             checked = _validate(made, candidates, tuned)
         result = _result(task, choice, tuned, episodes_to_run(made, task.episodes), checked)
-    write_json(folder / RESULT, asdict(result))
+        write_json(folder / RESULT, asdict(result))
     _show(result, folder / RESULT)
+
+
+def _kept(study: StoredStudy, folder: Path) -> str:
+    """What an interrupted search has kept."""
+    steps = sum(trial.steps for trial in study.trials)
+    return f"{len(study.trials)} trials with {steps} steps are kept in {folder}; --resume goes on from there"
 
 
 def _one_name(controller: str | None, baseline: str | None) -> str:

@@ -9,7 +9,7 @@ from mujoco.batch import Batch
 from prp_gym.physics.mjcf import TIP_RADIUS
 from prp_gym.physics.model_fields import Ids, ModelFields, check_not_negative, check_positive, check_rows
 from prp_gym.physics.surface import Surface, friction_reference, solver_reference
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, dot
 
 _SPRINGS = "surface springs"
 
@@ -44,7 +44,7 @@ class ArmFields(ModelFields):
         check_rows("surface", surface.normal, (len(ids), 3))
         self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
         self._calibrate(ids)
-        gap = surface.offset - TIP_RADIUS - (surface.normal * center).sum(axis=-1)
+        gap = surface.offset - TIP_RADIUS - dot(surface.normal, center)
         body = self._batch.model.body("surface").id
         self._batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
         self._batch.expand("body_quat")[ids, body] = surface.quaternions()

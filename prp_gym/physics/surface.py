@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, ShapeError
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, norm
 
 IMPEDANCE = 1e-4
 """Smallest value of d in MuJoCo's solimp; it causes a spurious added mass of d/((1-d)Â), here 0.13 g."""
@@ -60,7 +60,7 @@ class Surface:
         self._require("normal", largest > 0.0, "a vector of positive length", "")
         self._require("offset", np.isfinite(self.offset), "a finite number", "m")
         scaled = self.normal / largest[:, None]  # so that the squares neither underflow nor overflow
-        normal = scaled / np.linalg.norm(scaled, axis=-1, keepdims=True)
+        normal = scaled / norm(scaled)[:, None]
         normal.flags.writeable = False
         object.__setattr__(self, "normal", normal)
 
@@ -100,7 +100,7 @@ class Surface:
         quaternion = np.stack([1.0 + z, -y, x, np.zeros_like(z)], axis=-1)
         down = z < -1.0 + 1e-12
         quaternion[down] = (0.0, 1.0, 0.0, 0.0)
-        unit: Array = quaternion / np.linalg.norm(quaternion, axis=-1, keepdims=True)
+        unit: Array = quaternion / norm(quaternion)[:, None]
         return unit
 
 

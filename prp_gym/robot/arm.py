@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, as_vectors, matrix_like
+from prp_gym.robot.arrays import Array, apply, as_vectors, matrix_like, multiply, pseudoinverse_transposed
 from prp_gym.robot.dynamics import Dynamics
 from prp_gym.robot.newton_euler import recursive_newton_euler
 
@@ -84,9 +84,8 @@ class PRPArm(Dynamics):
         Source: [S] 7.8; [R] 5.1.
         """
         q, velocity = self._state(joint_position, joint_velocity)
-        inverse = np.linalg.pinv(self.analytical_jacobian(q))
-        transposed = np.swapaxes(inverse, -1, -2)
-        inertia = transposed @ self.inertia_matrix(q) @ inverse
+        transposed = pseudoinverse_transposed(self.analytical_jacobian(q))
+        inertia = multiply(multiply(transposed, self.inertia_matrix(q)), np.swapaxes(transposed, -1, -2))
         coriolis = apply(transposed, apply(self.coriolis_matrix(q, velocity), velocity))
         drift = apply(self.analytical_jacobian_derivative(q, velocity), velocity)
         return OperationalSpaceDynamics(

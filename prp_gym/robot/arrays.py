@@ -1,4 +1,13 @@
-"""Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions."""
+"""Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions.
+
+Sums over components are written out in their order: their rounding depends neither on the CPU nor on a library
+for linear algebra, nor on the memory layout, nor on the number of rows.
+"""
+
+import math
+from functools import reduce
+from operator import add, mul
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -6,6 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from prp_gym.errors import ShapeError
 
 Array = NDArray[np.float64]
+
+_FEW = 24
+"""Up to so many components are faster as numbers than as arrays; the operations are the same."""
+
+_LOWER = ((0, 0), (1, 0), (2, 0), (1, 1), (2, 1), (2, 2))
 
 
 def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
@@ -25,30 +39,125 @@ def matrix_like(reference: Array, rows: int, columns: int) -> Array:
     return np.zeros((*reference.shape[:-1], rows, columns))
 
 
-def apply(matrix: Array, vector: Array) -> Array:
-    """Matrix times vector over leading dimensions: (..., m, n), (..., n) -> (..., m)."""
-    product: Array = np.matmul(matrix, vector[..., None])[..., 0]
+def total(values: Array) -> Array:
+    """Sum over the last axis in the order of its components: (..., n) -> (...).
+
+    Unlike the sums of NumPy and of BLAS, its rounding depends neither on the memory layout nor on the CPU.
+    """
+    if values.ndim == 2 and len(values) == 1:
+        return np.array([reduce(add, row) for row in values.tolist()])
+    result: Array = values[..., 0]
+    for index in range(1, values.shape[-1]):
+        result = result + values[..., index]
+    return result
+
+
+def dot(left: Array, right: Array) -> Array:
+    """Scalar product over the last axis, summed in order: (..., n), (..., n) -> (...)."""
+    return total(left * right)
+
+
+def norm(vector: Array) -> Array:
+    """Euclidean norm over the last axis, summed in order: (..., n) -> (...)."""
+    if vector.shape[-1] == 3 and vector.ndim > 1 and vector.size <= _FEW:
+        rows = vector.reshape(-1, 3).tolist()
+        return np.array([math.sqrt(x * x + y * y + z * z) for x, y, z in rows]).reshape(vector.shape[:-1])
+    length: Array = np.sqrt(total(vector * vector))
+    return length
+
+
+def multiply(left: Array, right: Array) -> Array:
+    """Product of two matrices, summed in order: (..., m, k), (..., k, n) -> (..., m, n)."""
+    product: Array = left[..., :, :1] * right[..., :1, :]
+    for index in range(1, left.shape[-1]):
+        product = product + left[..., :, index : index + 1] * right[..., index : index + 1, :]
     return product
 
 
+def apply(matrix: Array, vector: Array) -> Array:
+    """Matrix times vector over leading dimensions, summed in order: (..., m, n), (..., n) -> (..., m)."""
+    if _is_single(matrix, vector):
+        (rows,), (components,) = matrix.tolist(), vector.tolist()
+        if len(components) == 3:
+            x, y, z = components
+            return np.array([[a * x + b * y + c * z for a, b, c in rows]])
+        return np.array([[reduce(add, map(mul, row, components)) for row in rows]])
+    return total(matrix * vector[..., None, :])
+
+
 def apply_transposed(matrix: Array, vector: Array) -> Array:
-    """Transposed matrix times vector: (..., m, n), (..., m) -> (..., n)."""
-    return apply(np.swapaxes(matrix, -1, -2), vector)
+    """Transposed matrix times vector, summed in order: (..., m, n), (..., m) -> (..., n)."""
+    return apply(matrix.mT, vector)
+
+
+def solve_symmetric(matrix: Array, vector: Array) -> Array:
+    """Solution of a symmetric, positive definite system, A⁻¹b: (..., 3, 3), (..., 3) -> (..., 3).
+
+    Args:
+        matrix: A (..., 3, 3); its lower triangle is read.
+        vector: b (..., 3).
+    """
+    lower = (matrix[..., i, j] for i, j in _LOWER)
+    return np.stack(_solve_components(*lower, *(vector[..., i] for i in range(3))), axis=-1)
 
 
 def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> Array:
-    """Damped pseudoinverse times vector, (AᵀA + λ²I)⁻¹Aᵀb: (..., m, n), (..., m) -> (..., n).
+    """Damped pseudoinverse times vector, (AᵀA + λ²I)⁻¹Aᵀb: (..., m, 3), (..., m) -> (..., 3).
 
     Args:
-        matrix: A (..., m, n) with m >= n; it must have full column rank if the damping is zero.
+        matrix: A (..., m, 3) with m >= 3; it must have full column rank if the damping is zero.
         vector: b (..., m).
         damping: λ, in the units of A's singular values.
 
     Source: [S] 3.5.
     """
-    transposed = np.swapaxes(matrix, -1, -2)
-    normal = np.matmul(transposed, matrix)
-    if damping > 0.0:
-        normal = normal + damping**2 * np.eye(matrix.shape[-1])
-    solution: Array = np.linalg.solve(normal, np.matmul(transposed, vector[..., None]))[..., 0]
-    return solution
+    if _is_single(matrix, vector):
+        (rows,), (right,) = matrix.tolist(), vector.tolist()
+        return np.array([_solve_components(*_normal_numbers(rows, right, damping * damping))])
+    right = vector[..., None]
+    normal = matrix[..., 0, :, None] * matrix[..., 0, None, :]
+    projected = matrix[..., 0, :] * right[..., 0, :]
+    for row in range(1, matrix.shape[-2]):
+        normal = normal + matrix[..., row, :, None] * matrix[..., row, None, :]
+        projected = projected + matrix[..., row, :] * right[..., row, :]
+    return solve_symmetric(normal + damping * damping * np.eye(3), projected)
+
+
+def pseudoinverse_transposed(matrix: Array) -> Array:
+    """A(AᵀA)⁻¹, the transpose of the pseudoinverse, of full column rank: (..., m, 3) -> (..., m, 3).
+
+    Source: [S] 3.5.
+    """
+    normal = multiply(np.swapaxes(matrix, -1, -2), matrix)
+    return solve_symmetric(normal[..., None, :, :], matrix)
+
+
+def _is_single(matrix: Array, vector: Array) -> bool:
+    """Whether there is one matrix and one vector; its numbers are faster than arrays, with the same bits."""
+    return matrix.ndim == 3 and vector.ndim == 2 and len(matrix) == 1 and len(vector) == 1
+
+
+def _normal_numbers(rows: list[list[float]], right: list[float], square: float) -> list[float]:
+    """The lower triangle of AᵀA + λ²I, then Aᵀb."""
+    columns = list(zip(*rows, strict=True))
+    lower = [reduce(add, map(mul, columns[i], columns[j])) + (square if i == j else 0.0) for i, j in _LOWER]
+    return lower + [reduce(add, map(mul, column, right)) for column in columns]
+
+
+def _solve_components(
+    a_11: Any, a_21: Any, a_31: Any, a_22: Any, a_32: Any, a_33: Any, b_1: Any, b_2: Any, b_3: Any
+) -> tuple[Any, Any, Any]:
+    """A⁻¹b by the factors LDLᵀ of A, of numbers or of arrays.
+
+    Source: Golub 2013, 4.1.
+    """
+    l_21, l_31 = a_21 / a_11, a_31 / a_11
+    d_2, rest = a_22 - l_21 * a_21, a_32 - l_31 * a_21
+    l_32 = rest / d_2
+    d_3 = a_33 - l_31 * a_31 - l_32 * rest
+    y_2 = b_2 - l_21 * b_1
+    y_3 = b_3 - l_31 * b_1 - l_32 * y_2
+    x_3 = y_3 / d_3
+    x_2 = y_2 / d_2 - l_32 * x_3
+    x_1 = b_1 / a_11 - l_21 * x_2 - l_31 * x_3
+    return x_1, x_2, x_3

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, apply_transposed, as_vectors, matrix_like
+from prp_gym.robot.arrays import Array, apply, apply_transposed, as_vectors, dot, matrix_like, solve_symmetric
 from prp_gym.robot.motion import MotionConversion
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
@@ -203,8 +203,7 @@ class Dynamics(MotionConversion):
         force = as_vectors(contact_force, "contact_force")
         J = self.analytical_jacobian(q)[..., :3, :]
         right = as_vectors(torque, "torque") - self.bias_force(q, velocity) - apply_transposed(J, force)
-        solution = np.linalg.solve(self.inertia_matrix(q), right[..., None])
-        return np.asarray(solution[..., 0], dtype=np.float64)
+        return solve_symmetric(self.inertia_matrix(q), right)
 
     def kinetic_energy(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
         """T = ½ q̇^T B(q) q̇.
@@ -220,8 +219,7 @@ class Dynamics(MotionConversion):
             ShapeError: an argument does not have three components.
         """
         q, velocity = self._state(joint_position, joint_velocity)
-        energy: Array = 0.5 * (velocity * apply(self.inertia_matrix(q), velocity)).sum(axis=-1)
-        return energy
+        return 0.5 * dot(velocity, apply(self.inertia_matrix(q), velocity))
 
     def potential_energy(self, joint_position: ArrayLike) -> Array:
         """U = Σ m_i g z_i, zero if all masses were on the floor.

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from prp_gym.errors import NonFiniteError, UnreachableError
-from prp_gym.robot.arrays import Array, as_vectors
+from prp_gym.robot.arrays import Array, as_vectors, norm, total
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import JOINT_UNITS
 
@@ -96,7 +96,7 @@ class InverseKinematics(Kinematics):
         if not reachable.all():
             raise self._unreachable(point[~reachable][0])
         span = np.array(self.parameters.joint_upper) - np.array(self.parameters.joint_lower)
-        distance = np.square((joints - start[..., None, :]) / span).sum(axis=-1)
+        distance = total(np.square((joints - start[..., None, :]) / span))
         best = np.where(valid, distance, np.inf).argmin(axis=-1)
         chosen: Array = np.take_along_axis(joints, best[..., None, None], axis=-2)[..., 0, :]
         return chosen
@@ -124,7 +124,7 @@ class InverseKinematics(Kinematics):
         low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
         joints = self._turned_into_range(branches(self, point))
         clipped = np.clip(joints, low, high)
-        misses = np.linalg.norm(self.forward_kinematics(clipped)[..., :3] - point, axis=-1)
+        misses = norm(self.forward_kinematics(clipped)[..., :3] - point)
         best = int(misses.argmin())
         return UnreachableError(
             point.tolist(), float(misses[best]), self._broken_limits(point, joints[best], low, high)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, as_vectors, matrix_like
+from prp_gym.robot.arrays import Array, as_vectors, matrix_like, multiply
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
@@ -111,7 +111,7 @@ class Kinematics:
         frames = np.empty((*q.shape[:-1], 5, 4, 4))
         current = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
         for index, link in enumerate(self._denavit_hartenberg_rows(q)):
-            current = current @ link
+            current = multiply(current, link)
             frames[..., index, :, :] = current
         return frames
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from prp_gym.robot.arrays import Array, apply
+from prp_gym.robot.arrays import Array, apply, dot, multiply
 from prp_gym.robot.kinematics import Kinematics
 
 _PRISMATIC = (False, True, False)
@@ -40,7 +40,7 @@ def recursive_newton_euler(
         carried_moment = moment[link] + carried_moment + np.cross(arm, carried_force)
         carried_force = force[link] + carried_force
         along = carried_force if _PRISMATIC[link] else carried_moment
-        torque[..., link] = (axis[..., link, :] * along).sum(axis=-1)
+        torque[..., link] = dot(axis[..., link, :], along)
     return torque
 
 
@@ -67,7 +67,7 @@ def _link_wrenches(
         rotation = frames[..., link + 1, :3, :3]
         to_center = apply(rotation, offsets[link])
         center = linear + np.cross(spin_rate, to_center) + np.cross(spin, np.cross(spin, to_center))
-        inertia = rotation @ inertias[link] @ np.swapaxes(rotation, -1, -2)
+        inertia = multiply(multiply(rotation, inertias[link]), np.swapaxes(rotation, -1, -2))
         force = parameters.link_mass[link] * center
         spinning = apply(inertia, spin_rate) + np.cross(spin, apply(inertia, spin))
         forces.append(force)
@@ -85,5 +85,5 @@ def _in_denavit_hartenberg_frames(kinematics: Kinematics) -> tuple[list[Array], 
         np.array([geometry.third_link_center_of_mass - geometry.third_link_length, 0.0, 0.0]),
     ]
     home = kinematics.transforms(np.zeros(3))[1:4, :3, :3]
-    inertias = [home[i].T @ np.diag(parameters.link_inertia[i]) @ home[i] for i in range(3)]
+    inertias = [multiply(home[i].T * np.array(parameters.link_inertia[i]), home[i]) for i in range(3)]
     return centers, inertias

@@ -2,15 +2,18 @@
 
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
-from contextlib import closing
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from prp_gym.artifacts import prepare_folder, write_json
+from prp_gym.artifacts import prepare_folder, require_folder, write_json
 from prp_gym.evaluation.results import describe_run
+from prp_gym.processes.folder_lock import FolderLock
+from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Record, run_job
 from prp_gym.runs.store import JobStore, JobT
@@ -54,6 +57,20 @@ class Run:
         """Whether compute times are measured beside other work."""
         return self.workers.jobs != 1
 
+    @contextmanager
+    def hold(self, jobs: Sequence[JobT]) -> Iterator[None]:
+        """Lock the folder of the results, and add to an interruption which jobs were kept.
+
+        Args:
+            jobs: jobs of the command.
+
+        Raises:
+            FolderInUseError: another command writes into the folder.
+            OutputError: the folder cannot be made or written to.
+        """
+        with FolderLock(self.folder).hold(), kept_if_interrupted(lambda: self._kept(jobs)):
+            yield
+
     def records(self, jobs: Sequence[JobT], label: str) -> list[Record]:
         """The records of all jobs in their order.
 
@@ -67,6 +84,7 @@ class Run:
         """
         for folder in (self.folder, self.folder / JOBS):
             prepare_folder(folder)
+        remove_leftovers(self.folder / JOBS)
         if self.fresh:
             self.store.remove(jobs)
         return run_jobs(jobs, self, label)
@@ -78,10 +96,21 @@ class Run:
             jobs: jobs that were run.
             records: records of the jobs.
             findings: further entries of the results file.
+
+        Raises:
+            OutputError: the folder was removed, or cannot be written to.
         """
+        require_folder(self.folder)
         described = describe_run(shlex.join(["prp-gym", *sys.argv[1:]]))
         write_json(self.results, {**described, "evaluations": records, **findings})
         self.store.remove(jobs)
+
+    def _kept(self, jobs: Sequence[JobT]) -> str:
+        """What an interrupted command has kept; empty for nothing."""
+        kept, _ = self.store.find(jobs)
+        same = "the same command without --fresh" if self.fresh else "the same command"
+        told = f"{len(kept)} of {len(jobs)} jobs are kept in {self.folder / JOBS}; {same} goes on from there"
+        return told if kept else ""
 
 
 def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
@@ -94,6 +123,7 @@ def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
 
     Raises:
         InvalidValueError: a worker runs other code than this process.
+        OutputError: the folder was removed, or cannot be written to.
     """
     records, refused = run.store.find(jobs)
     if records or refused:
@@ -109,6 +139,7 @@ def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
         with closing(run.workers.run(partial(run_job, run.controllers), missing)) as finished:
             for index, result in finished:
                 result.check_code()
+                require_folder(run.folder / JOBS)
                 run.store.keep(missing[index], result.record)
                 records[missing[index]] = result.record
                 progress.advance(bar, missing[index].episodes)

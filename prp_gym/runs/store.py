@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from prp_gym.artifacts import read_json, to_plain, write_json
+from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.code import running_code
 from prp_gym.runs.job import Job, Record
 
@@ -54,13 +54,12 @@ class JobStore:
         write_json(self._path(job), _content(job, record))
 
     def remove(self, jobs: Sequence[Job]) -> None:
-        """Remove the files of some jobs, and the folder if nothing else is in it."""
+        """Remove the files of some jobs, what ended processes have left, and the folder if it is empty."""
+        remove_leftovers(self._folder)
         for job in jobs:
             path = self._path(job)
-            parts = self._folder.glob(f".{path.name}.*.part")
-            for own in (path, *(part for part in parts if _is_left_behind(part))):
-                if own.is_file():
-                    own.unlink(missing_ok=True)  # another run may have removed it just now
+            if path.is_file():
+                path.unlink(missing_ok=True)  # another run may have removed it just now
         with suppress(OSError):  # not empty, or not there
             self._folder.rmdir()
 
@@ -76,19 +75,3 @@ def _content(job: Job, record: Record) -> dict[str, Any]:
         {"key": key, "checksum": hashlib.sha256(text.encode()).hexdigest(), "record": record}
     )
     return plain
-
-
-def _is_left_behind(part: Path) -> bool:
-    """Whether a partly written file was abandoned: its process is this one, or is not alive."""
-    process = part.suffixes[-2].removeprefix(".")
-    if not process.isdecimal():
-        return False
-    try:
-        if int(process) != os.getpid():
-            os.kill(int(process), 0)  # sends no signal, only checks that the process exists
-            return False
-    except ProcessLookupError:
-        return True
-    except PermissionError:  # alive, of another user
-        return False
-    return True

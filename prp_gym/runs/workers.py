@@ -10,10 +10,13 @@ from importlib.util import find_spec
 from typing import Any, TypeVar
 
 import joblib
+from cloudpickle import register_pickle_by_value
 from joblib.externals.loky import get_reusable_executor
 
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
 from prp_gym.plugins import load_modules, loaded_plugins
+from prp_gym.processes import parent
+from prp_gym.processes.interruption import relisten
 
 _PATIENCE = 10  # s, that is waited for an answer or for more work
 
@@ -95,14 +98,22 @@ def _parallel(jobs: int, **options: Any) -> Any:
 
 @contextmanager
 def _processes(jobs: int, items: int) -> Iterator[Any]:
-    """Processes of this machine, each with one thread for linear algebra."""
+    """Processes of this machine, each with one thread for linear algebra, which end with this process."""
     count = min(jobs or joblib.cpu_count(), items)
+    register_pickle_by_value(parent)  # so that a worker waits for its parent's end before it imports anything
     with joblib.parallel_config("loky", inner_max_num_threads=1):
-        parallel = _parallel(count, idle_worker_timeout=_PATIENCE)  # they also outlive a kill no longer
+        parallel = _parallel(
+            count,
+            idle_worker_timeout=_PATIENCE,
+            initializer=parent.end_with_parent,
+            initargs=(os.getpid(),),
+        )
     try:
         yield parallel
-    finally:
-        get_reusable_executor().shutdown(wait=True)
+    except BaseException:  # an error, an interruption, or results that nobody wants any more
+        get_reusable_executor(reuse=True).shutdown(wait=True, kill_workers=True)
+        raise
+    get_reusable_executor(reuse=True).shutdown(wait=True)
 
 
 @contextmanager
@@ -114,6 +125,7 @@ def _cluster(jobs: int, items: int) -> Iterator[Any]:
     started = not ray.is_initialized()
     if started:
         _connect(ray, min(jobs or joblib.cpu_count(), items))
+        relisten()  # Ray has a handler of its own for SIGTERM
     try:
         there = int(ray.cluster_resources().get("CPU", 0))
         if jobs > there:

@@ -1,5 +1,7 @@
 """Declared observation fields: the one source of spaces, documentation tables and named access."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,7 +57,7 @@ class Field:
     @classmethod
     def symmetric(
         cls, name: str, units: tuple[str, ...], frame: str, bound: Sequence[float], description: str
-    ) -> "Field":
+    ) -> Field:
         """A field whose bounds are ±bound."""
         high = tuple(float(value) for value in bound)
         return cls(name, units, frame, tuple(-value for value in high), high, description)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, norm
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Reward:
         if errors.shape != self._shape:
             self._expand(errors.shape)
         scaled = errors * self._factor
-        denominator: Array = np.sqrt(np.vecdot(scaled, scaled))
+        denominator = norm(scaled)
         denominator += self._one
         contributions: Array = np.divide(self._numerator, denominator, out=denominator)
         return contributions

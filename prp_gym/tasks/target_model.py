@@ -2,13 +2,15 @@
 
 import math
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.robot.arrays import Array, as_vectors
+from prp_gym.robot.arrays import Array, as_vectors, multiply, total
 
 _SAFE_SQUARINGS = 4  # beyond those that bring the norm to 1
 _TAYLOR_TERMS = 16
@@ -94,23 +96,24 @@ class TargetModel:
             start_force: Force at the start of the period (..., 6) [N, N, N, N m, N m, N m].
             end_force: Force at the end of the period (..., 6); equal to `start_force` for a constant force.
         """
-        motion = np.empty((*displacement.value.shape, 4))
+        motion = np.empty((4, *displacement.value.shape))
         for index, part in enumerate((*displacement, start_force, end_force)):
-            motion[..., index] = part
+            motion[index] = part
         self.follow(motion)
-        return Displacement(motion[..., 0], motion[..., 1])
+        return Displacement(motion[0], motion[1])
 
     def follow(self, motion: Array) -> None:
         """Integrate over one period in place; `advance` without a copy.
 
         Args:
             motion: Displacement, its rate, and the force at the start and at the end of the period
-                (..., 6, 4); the first two are replaced by those at the end.
+                (4, ..., 6); the first two are replaced by those at the end.
         """
-        motion[..., :2] = np.vecdot(vars(self)["_transition"], motion[..., None, :])
+        transition = vars(self)["_transition"].reshape(4, 2, *(1,) * (motion.ndim - 2), 6)
+        motion[:2] = reduce(add, transition * motion[:, None])
 
     def _discretise(self) -> Array:
-        """The map (6, 2, 4) of (z, ż, force at the start, force at the end) to (z, ż) at the end of a period.
+        """The map (4, 2, 6) of (z, ż, force at the start, force at the end) to (z, ż) at the end of a period.
 
         It follows from the exponential of the system extended by a force f and its slope s: ḟ = s, ṡ = 0.
         """
@@ -122,20 +125,20 @@ class TargetModel:
         transition = _exponential(extended * self.period)[:, :2]
         transition[..., 3] /= self.period  # the slope is the forces' difference over the period
         transition[..., 2] -= transition[..., 3]
-        return transition
+        return np.moveaxis(transition, 0, -1).swapaxes(0, 1).copy()
 
 
 def _exponential(matrix: Array) -> Array:
     """Matrix exponential (..., n, n) by scaling and squaring of its Taylor series; NaN if not finite."""
-    size = float(np.abs(matrix).sum(axis=-1).max())
+    size = float(total(np.abs(matrix)).max())
     if not math.isfinite(size):
         return np.full(matrix.shape, np.nan)
     squarings = max(0, math.ceil(math.log2(max(size, 1.0)))) + _SAFE_SQUARINGS
     small = matrix / 2.0**squarings
-    term = total = np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
+    term = result = np.broadcast_to(np.eye(matrix.shape[-1]), matrix.shape)
     for order in range(1, _TAYLOR_TERMS):
-        term = np.matmul(term, small) / order
-        total = total + term
+        term = multiply(term, small) / order
+        result = result + term
     for _ in range(squarings):
-        total = np.matmul(total, total)
-    return np.array(total)
+        result = multiply(result, result)
+    return np.array(result)

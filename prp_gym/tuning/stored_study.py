@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from prp_gym.artifacts import prepare_folder
-from prp_gym.errors import InvalidValueError, MissingPackageError
+from prp_gym.artifacts import prepare_folder, require_folder
+from prp_gym.errors import InvalidValueError, MissingPackageError, OutputError
 from prp_gym.tuning.candidates import Space
 from prp_gym.tuning.local_step import is_local, local_step
 from prp_gym.tuning.trial import Trial
@@ -20,6 +20,17 @@ if TYPE_CHECKING:
 JOURNAL = "study.log"
 _NAME = "tuning"
 _KEY = "key"
+
+
+class _LockOfFolder:
+    """Optuna's lock of a journal, which is not needed: the whole folder is locked by `FolderLock`."""
+
+    def acquire(self) -> bool:
+        """Do nothing."""
+        return True
+
+    def release(self) -> None:
+        """Do nothing."""
 
 
 class StoredStudy:
@@ -33,7 +44,8 @@ class StoredStudy:
     The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
     goes on makes the same proposals as one that was not. The journal holds finished trials alone, each
     written in one piece: one that was under way when the run was killed is run again, and its steps are
-    counted once, since nothing was learned from them before. One run at a time may use a folder.
+    counted once, since nothing was learned from them before. One run at a time may use a
+    folder, which its user locks with `FolderLock`.
 
     Args:
         folder: folder of the journal file.
@@ -74,27 +86,38 @@ class StoredStudy:
         return dict(self._open.params)
 
     def record(self, score: float, steps: int, seconds: float) -> Trial:
-        """Finish the candidate that was proposed last, and keep it."""
+        """Finish the candidate that was proposed last, and keep it.
+
+        Raises:
+            OutputError: the folder was removed, or cannot be written to.
+        """
         self._open.set_user_attr("steps", steps)
         self._open.set_user_attr("seconds", seconds)
         finished = self._study.tell(self._open, score)
-        self._journal.add_trial(finished)
+        try:
+            require_folder(self._path.parent)
+            self._journal.add_trial(finished)
+        except OSError as error:  # a line that was not written to its end is taken away by the next run
+            raise OutputError(self._path, error) from error
         self.trials.append(_read(finished))
         return self.trials[-1]
 
     def _open_journal(self, folder: Path, resume: bool) -> optuna.Study:
-        path = folder / JOURNAL
+        path = self._path = folder / JOURNAL
         if path.exists() and not resume:
             raise InvalidValueError("output", str(folder), "a folder without a search, or --resume to go on")
         prepare_folder(folder)
-        _repair(path)
-        backend = self._optuna.storages.journal.JournalFileBackend(str(path))
-        study: optuna.Study = self._optuna.create_study(
-            storage=self._optuna.storages.JournalStorage(backend),
-            study_name=_NAME,
-            direction="maximize",
-            load_if_exists=True,
-        )
+        try:
+            _repair(path)
+            backend = self._optuna.storages.journal.JournalFileBackend(str(path), _LockOfFolder())
+            study: optuna.Study = self._optuna.create_study(
+                storage=self._optuna.storages.JournalStorage(backend),
+                study_name=_NAME,
+                direction="maximize",
+                load_if_exists=True,
+            )
+        except OSError as error:
+            raise OutputError(path, error) from error
         return study
 
     def _check_key(self, key: Mapping[str, Any], folder: Path) -> None:
@@ -124,8 +147,7 @@ def _import_optuna() -> Any:
 
 
 def _repair(path: Path) -> None:
-    """Take away what a killed run may have left: its lock, and a line that it did not finish."""
-    path.with_name(f"{path.name}.lock").unlink(missing_ok=True)
+    """Take away what a killed run may have left: a line that it did not finish."""
     if path.exists():
         content = path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]

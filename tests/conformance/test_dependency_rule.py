@@ -19,7 +19,10 @@ PACKAGES = {
 }
 """Folder in the repository, and the name under which it is imported."""
 
-CORE_PACKAGES = ("errors", "registry", "artifacts", "plugins", "robot", "physics", "tasks", "evaluation")
+CORE_PACKAGES = (
+    *("errors", "registry", "artifacts", "plugins", "processes"),
+    *("robot", "physics", "tasks", "evaluation"),
+)
 """They import each other alone."""
 
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
@@ -44,7 +47,7 @@ MORE_THIRD_PARTY = {
     "comparison": {"matplotlib", "rich"},
     "evaluation": {"rich"},
     "reproduction": {"matplotlib", "rich"},
-    "runs": {"joblib", "ray", "rich"},
+    "runs": {"cloudpickle", "joblib", "ray", "rich"},
     "tuning": {"optuna"},
 }
 

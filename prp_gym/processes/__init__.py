@@ -1,0 +1,1 @@
+"""Processes and signals: locks of folders, interruptions, temporary files, workers."""
