@@ -10,7 +10,7 @@ import numpy as np
 from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, check_action_mode
 from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.envs.checks import shaped
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import InvalidValueError, UnknownKeywordError, UnknownNameError
 from prp_gym.physics.rendering import check_view
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import TORQUE_UNITS
@@ -200,12 +200,12 @@ def parse_keywords(
         The common keywords and the task's own.
 
     Raises:
-        UnknownNameError: a keyword that does not exist.
+        UnknownKeywordError: a keyword that does not exist.
     """
     common = {entry.name for entry in fields(EnvConfig)}
     own = {entry.name for entry in fields(options_class)}  # type: ignore[arg-type]
     for name in keywords:
         if name not in common | own:
-            raise UnknownNameError("environment keyword", name, common | own | others)
+            raise UnknownKeywordError("the environment", name, common | own | others)
     config = EnvConfig(**{name: value for name, value in keywords.items() if name in common})  # type: ignore[arg-type]
     return config, options_class(**{name: value for name, value in keywords.items() if name in own})

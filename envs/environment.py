@@ -79,7 +79,8 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
             options: Values that replace drawn ones, as `task.reset_options` declares them.
 
         Returns:
-            The observation (size) and an `info` with the time [s].
+            The observation (size), and an `info` with the same numbers as that of `step`: the contact force
+            [N], and zero for rewards, costs and time, since nothing has happened yet.
 
         Raises:
             UnknownNameError: an option that the task does not have.
@@ -92,7 +93,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         observation = self._loop.reset(_ONLY, [self.np_random], checked)
         if self.render_mode == "human":
             self.render()
-        return observation[0], {"time": 0.0}
+        return observation[0], self._info(self._loop.start_info())
 
     def step(self, action: NDArray[Any]) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Advance by one control period.
@@ -116,8 +117,11 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         observation, reward, terminated, truncated, numbers = self._loop.step(values[None])
         if self.render_mode == "human":
             self.render()
-        info = dict(zip(self._info_names, numbers[0].tolist(), strict=True))
-        return observation[0], reward.item(), terminated.item(), truncated.item(), info
+        return observation[0], reward.item(), terminated.item(), truncated.item(), self._info(numbers)
+
+    def _info(self, numbers: Array) -> dict[str, Any]:
+        """The `info` of the one environment, in NumPy's scalars, from its row of numbers (1, fields)."""
+        return dict(zip(self._info_names, numbers.flat))  # noqa: B905 (`strict` takes time in every step)
 
     def render(self) -> NDArray[Any] | None:
         """Draw the arm, the goal, the reference path, the surface and the contact force.

@@ -15,6 +15,7 @@ from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.core.info import InfoField
 from prp_gym.envs.core.loop import EpisodeLoop, LoopState
 from prp_gym.envs.core.mode_loop import ModeLoop
+from prp_gym.envs.episode_spec import EpisodeSpec
 from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import OffscreenRenderer, OverlayItem, WindowRenderer, force_arrow
@@ -72,6 +73,7 @@ class LoopEnvironment:
     config: EnvConfig
     options: object
     task_spec: TaskSpec
+    spec = EpisodeSpec()
     _loop: EpisodeLoop
     _renderer: OffscreenRenderer | WindowRenderer | None = None
 

@@ -15,7 +15,7 @@ from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
-from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
+from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, masked_info
 from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
@@ -51,6 +51,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         keywords: Keywords of the single environment, the same for every environment.
 
     Attributes:
+        autoreset_mode: When an environment is reset after the end of its episode.
         generators: Random generators of the environments.
 
     Raises:
@@ -75,7 +76,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")
         self.num_envs = whole("num_envs", num_envs, 1)
         threads = parse_threads(num_threads, self.num_envs)
-        self._mode = parse_mode(autoreset_mode)
+        self.autoreset_mode = parse_mode(autoreset_mode)
         self._loop = self.new_loop(self.num_envs, threads)
         self._names = tuple(field.name for field in self._loop.info_fields)
         self.generators = Generators(self.num_envs)
@@ -85,7 +86,11 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
     def _describe(self) -> None:
         """Set the attributes that Gymnasium expects."""
         modes = [mode for mode in RENDER_MODES if mode != "human"]
-        self.metadata = {"render_modes": modes, "render_fps": self.render_fps, "autoreset_mode": self._mode}
+        self.metadata = {
+            "render_modes": modes,
+            "render_fps": self.render_fps,
+            "autoreset_mode": self.autoreset_mode,
+        }
         self.render_mode = self.config.render_mode
         self.single_observation_space = self._loop.task.layout.space()
         self.single_action_space = self.make_action_space()
@@ -135,7 +140,8 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
                 default. The others continue their episodes.
 
         Returns:
-            Observations (N, size) and an `info` with the time [s].
+            Observations (N, size), and an `info` with the numbers of `step` for the environments that are
+            reset: the contact force [N], and zero for rewards, costs and time.
 
         Raises:
             UnknownNameError: an option that the task does not have.
@@ -157,7 +163,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
                 self.generators.seed(int(index), seeds[index])
         observation = self._begin(mask, checked)
         self._ended[mask] = False
-        return observation, start_info(mask)
+        return observation, masked_info(self._names, self._loop.start_info(), mask)
 
     def _begin(self, mask: Mask, options: Mapping[str, Array]) -> Array:
         """Start new episodes in some environments; returns the observations of all."""
@@ -187,52 +193,49 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             raise ShapeError("actions", values.shape, f"{self.action_space.shape}")
         ended = self._ended
         waiting = bool(np.count_nonzero(ended))
-        if waiting and self._mode is AutoresetMode.DISABLED:
+        if waiting and self.autoreset_mode is AutoresetMode.DISABLED:
             which = np.flatnonzero(ended).tolist()
             raise EpisodeError(f"the episodes of environments {which} have ended: reset them (reset_mask).")
-        if self._mode is AutoresetMode.SAME_STEP:
+        if self.autoreset_mode is AutoresetMode.SAME_STEP:
             return self._same_step(self._loop.step(values))
         if waiting:
             return self._next_step(values, ended)
-        return self._finished(self._loop.step(values), ~ended)
+        return self._finished(self._loop.step(values))
 
-    def _finished(self, step: Step, stepped: Mask) -> Steps:
-        """The results of a step of some environments, after which none is reset."""
+    def _finished(self, step: Step) -> Steps:
+        """The results of a step, after which no environment is reset."""
         self._ended = step.terminated | step.truncated
-        info = step_info(self._names, step.info, stepped)
-        return step.observation, step.reward, step.terminated, step.truncated, info
+        return step.observation, step.reward, step.terminated, step.truncated, self._info(step.info)
+
+    def _info(self, values: Array) -> dict[str, Any]:
+        """The `info` of all environments from their numbers (N, fields)."""
+        return masked_info(self._names, values, np.ones(self.num_envs, dtype=np.bool_))
 
     def _next_step(self, values: Array, begins: Mask) -> Steps:
         """A step in which some environments are reset."""
         if begins.all():
             observation, zero = self._begin(begins, {}), np.zeros(self.num_envs)
-            self._ended = np.zeros_like(begins)
-            return observation, zero, ~begins, ~begins, start_info(begins)
+            return self._finished(Step(observation, zero, ~begins, ~begins, self._loop.start_info()))
         step = self._loop.step(values, begins)
-        step = Step(
-            self._begin(begins, {}),
-            np.where(begins, 0.0, step.reward),
-            step.terminated & ~begins,
-            step.truncated & ~begins,
-            step.info,
+        return self._finished(
+            Step(
+                self._begin(begins, {}),
+                np.where(begins, 0.0, step.reward),
+                step.terminated & ~begins,
+                step.truncated & ~begins,
+                np.where(begins[:, None], self._loop.start_info(), step.info),
+            )
         )
-        outcome = self._finished(step, ~begins)
-        outcome[-1]["_time"] |= begins
-        return outcome
 
     def _same_step(self, step: Step) -> Steps:
         """A step after which the environments whose episodes ended are reset."""
         ended = step.terminated | step.truncated
-        stepped = ~ended
-        info = step_info(self._names, step.info, stepped)
-        if stepped.all():
-            return step.observation, step.reward, step.terminated, step.truncated, info
-        info |= final_info(self._names, step.info, step.observation, ended)
-        if "time" in info:
-            info["_time"] |= ended
-        else:
-            info |= start_info(ended)
-        return self._begin(ended, {}), step.reward, step.terminated, step.truncated, info
+        if not np.count_nonzero(ended):
+            return step.observation, step.reward, step.terminated, step.truncated, self._info(step.info)
+        final = final_info(self._names, step.info, step.observation, ended)
+        observation = self._begin(ended, {})
+        info = self._info(np.where(ended[:, None], self._loop.start_info(), step.info))
+        return observation, step.reward, step.terminated, step.truncated, info | final
 
     def render(self) -> tuple[NDArray[Any], ...]:
         """Draw a frame of every environment; see `PRPEnv.render`."""
@@ -289,7 +292,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             raise InvalidValueError(
                 "saved state", type(state).__name__, "a VectorState, from get_state of such an environment"
             )
-        if self._mode is AutoresetMode.SAME_STEP and state.ended.any():
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and state.ended.any():
             which = np.flatnonzero(state.ended).tolist()
             raise InvalidValueError("saved state's ended environments", which, "none with SameStep autoreset")
         observation = self.restore(state.environments, self.np_random)

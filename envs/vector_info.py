@@ -38,30 +38,24 @@ def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
     return values
 
 
-def start_info(started: Mask) -> dict[str, Any]:
-    """The `info` of environments at the start of an episode: the time, 0 [s]."""
-    return {"time": np.zeros(len(started)), "_time": started.copy()}
-
-
-def step_info(names: Sequence[str], values: Array, stepped: Mask) -> dict[str, Any]:
-    """The `info` of a step, in the form of Gymnasium's vector environments.
+def masked_info(names: Sequence[str], values: Array, concerned: Mask) -> dict[str, Any]:
+    """The `info` of some environments, in the form of Gymnasium's vector environments.
 
     Args:
         names: Names of the numbers.
         values: Values of the numbers (N, number of names).
-        stepped: Mask (N) of the environments that were stepped.
+        concerned: Mask (N) of the environments that have an `info`, at least one.
 
     Returns:
         For every name an array (N), 0 where an environment has no such number, and under the name with a
-        leading underscore the mask (N) of those that have it; empty if no environment was stepped.
+        leading underscore the mask (N) of those that have it.
     """
     info: dict[str, Any] = {}
-    count = np.count_nonzero(stepped)
-    if count < len(stepped):
-        values = np.where(stepped[:, None], values, 0.0)
-    for column, name in enumerate(names) if count else ():
+    if np.count_nonzero(concerned) < len(concerned):
+        values = np.where(concerned[:, None], values, 0.0)
+    for column, name in enumerate(names):
         info[name] = values[:, column]
-        info[f"_{name}"] = stepped.copy()
+        info[f"_{name}"] = concerned.copy()
     return info
 
 
@@ -80,6 +74,6 @@ def final_info(names: Sequence[str], values: Array, observation: Array, ended: M
     return {
         "final_obs": last,
         "_final_obs": ended.copy(),
-        "final_info": step_info(names, values, ended),
+        "final_info": masked_info(names, values, ended),
         "_final_info": ended.copy(),
     }

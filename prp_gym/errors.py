@@ -2,26 +2,51 @@
 
 Each message says what was wrong, which value it had, in which unit, and what is allowed. Errors about a value
 also derive from `ValueError` and errors about a state from `RuntimeError`, so that code without knowledge of
-this package can catch them. All of them can be pickled, as vector environments in processes require.
+this package can catch them. All of them can be pickled, and can be made from a message alone, as libraries do
+that raise an error of another process again.
 """
 
 import difflib
+import inspect
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 
-class PRPError(Exception):
+class ErrorType(type):
+    """Class of the error classes, which lets an error be made from its message instead of its facts.
+
+    A constructor that requires several facts would refuse `type(error)(str(error))`, with which Gymnasium and
+    TorchRL raise an error again. Given one argument, such a class makes an error of that message; its facts
+    are known only if the argument is an error of the same class.
+    """
+
+    def __call__(cls, *arguments: Any, **facts: Any) -> Any:
+        """Make an error from its facts, or from a message or another error of this class."""
+        if len(arguments) == 1 and not facts and _required_facts(cls) > 1:
+            (origin,) = arguments
+            return _rebuild(cls, (str(origin),), vars(origin) if isinstance(origin, cls) else {})
+        return super().__call__(*arguments, **facts)
+
+
+def _required_facts(kind: Any) -> int:
+    """Number of arguments that the constructor of a class requires."""
+    parameters = list(inspect.signature(kind.__init__).parameters.values())[1:]
+    named = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    return sum(item.kind is named and item.default is inspect.Parameter.empty for item in parameters)
+
+
+def _rebuild(kind: type[Any], arguments: tuple[Any, ...], facts: dict[str, Any]) -> Any:
+    """Rebuild an error from its message and facts, without running its constructor."""
+    error = kind.__new__(kind, *arguments)
+    vars(error).update(facts)
+    return error
+
+
+class PRPError(Exception, metaclass=ErrorType):
     """Root of all errors that prp_gym raises."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (type(self), self.args, vars(self))
-
-
-def _rebuild(kind: type[PRPError], arguments: tuple[Any, ...], facts: dict[str, Any]) -> PRPError:
-    """Rebuild an unpickled error from its message and facts, without running its constructor."""
-    error = kind.__new__(kind, *arguments)
-    vars(error).update(facts)
-    return error
 
 
 class UnknownNameError(PRPError, ValueError):
@@ -34,7 +59,22 @@ class UnknownNameError(PRPError, ValueError):
         near = difflib.get_close_matches(str(name), self.valid, n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""
         listing = ", ".join(self.valid) if self.valid else "none"
-        super().__init__(f"unknown {kind} {name!r}.{hint} Valid: {listing}.")
+        super().__init__(f"{self.problem()}.{hint} Valid: {listing}.")
+
+    def problem(self) -> str:
+        """First sentence of the message, without its full stop."""
+        return f"unknown {self.kind} {self.name!r}"
+
+
+class UnknownKeywordError(UnknownNameError, TypeError):
+    """A keyword that a call does not have, in the words in which Python refuses one.
+
+    Libraries read those words to find out which keywords an environment takes.
+    """
+
+    def problem(self) -> str:
+        """First sentence of the message, in Python's words."""
+        return f"{self.kind} got an unexpected keyword argument {self.name!r}"
 
 
 class InvalidValueError(PRPError, ValueError):

@@ -42,12 +42,12 @@ class SB3VecEnv(VecEnv):
     actions: NDArray[Any]
 
     def __init__(self, together: PRPVectorEnv) -> None:
-        mode, wanted = together.metadata["autoreset_mode"], AutoresetMode.SAME_STEP
+        mode, wanted = together.autoreset_mode, AutoresetMode.SAME_STEP
         if mode is not wanted:
             raise InvalidValueError("autoreset_mode", mode.value, f"{wanted.value} for Stable-Baselines3")
         self.together = together
         self.spec = together.spec
-        self._names = (*(field.name for field in together.info_fields), _TRUNCATED)
+        self._names = tuple(field.name for field in together.info_fields)
         self._began = False
         super().__init__(together.num_envs, together.single_observation_space, together.single_action_space)
         self.metadata = {name: together.metadata[name] for name in ("render_modes", "render_fps")}
@@ -68,7 +68,7 @@ class SB3VecEnv(VecEnv):
             raise ShapeError("options", (len(self._options),), f"one dictionary, or ({self.num_envs},)")
         each = [self.together.checked_options(options or {}, _ONE_VALUE) for options in self._options]
         observation = self._begin(each)
-        self.reset_infos = [{"time": 0.0} for _ in range(self.num_envs)]
+        self.reset_infos = self._rows(self.together.loop.start_info().T)
         self._reset_seeds()
         self._reset_options()
         return observation
@@ -107,24 +107,23 @@ class SB3VecEnv(VecEnv):
         """
         observation, reward, terminated, truncated, info = self.together.step(self.actions)
         done = terminated | truncated
-        columns: list[list[Any]] = [self._numbers(info, name, done) for name in self._names[:-1]]
-        columns.append(truncated.tolist())  # an episode that diverged is not truncated
-        infos = [dict(zip(self._names, row, strict=True)) for row in zip(*columns, strict=True)]
+        infos = self._rows([self._numbers(info, name, done) for name in self._names])
+        for own, was_truncated in zip(infos, truncated.tolist(), strict=True):
+            own[_TRUNCATED] = was_truncated  # an episode that diverged is not truncated
         for index in np.flatnonzero(done):
             infos[index]["terminal_observation"] = info["final_obs"][index]
-            self.reset_infos[index] = {"time": 0.0}
+            self.reset_infos[index] = {name: info[name][index] for name in self._names}
         return observation, reward.astype(np.float32), done, infos
 
+    def _rows(self, columns: Iterable[Array]) -> list[dict[str, Any]]:
+        """One `info` for each environment from the values of each number, (N) each."""
+        return [dict(zip(self._names, row, strict=True)) for row in zip(*columns, strict=True)]
+
     @staticmethod
-    def _numbers(info: Mapping[str, Any], name: str, done: NDArray[np.bool_]) -> list[float]:
+    def _numbers(info: Mapping[str, Any], name: str, done: NDArray[np.bool_]) -> Array:
         """A value of `info` for the step just taken (N), also where an episode ended with it."""
-        if "final_info" in info:
-            final = info["final_info"][name]
-            values = np.where(done, final, info.get(name, final))
-        else:
-            values = info[name]
-        numbers: list[float] = values.tolist()
-        return numbers
+        values: Array = info[name]
+        return np.where(done, info["final_info"][name], values) if "final_info" in info else values
 
     def close(self) -> None:
         """Free the rendering context."""

@@ -133,9 +133,8 @@ class EpisodeLoop:
         self._window.begin(ids, self.task.reference)
         self._needs_reset[ids] = False
         self._all_ready = not self._needs_reset.any()
-        ground_truth = self._measure()
-        self.task.complete(ground_truth)
-        self.ground_truth = ground_truth
+        self.ground_truth = self._measure()
+        self.task.complete(self.ground_truth)
         return self._observe()
 
     def _check_ids(self, ids: NDArray[np.intp]) -> None:
@@ -188,6 +187,10 @@ class EpisodeLoop:
         outcome = Step(self._observe(), reward, terminated, truncated, info)
         self._on_period(outcome)
         return outcome
+
+    def start_info(self) -> Array:
+        """The `info` (N, fields) of environments at the start of an episode."""
+        return self._score.at_start()
 
     def _limited(self, action: Array) -> tuple[Array, NDArray[np.bool_] | None]:
         """Actions clipped to ±1, and a mask (N, joints) of those at or beyond ±1; None if there are none."""

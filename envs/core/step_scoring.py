@@ -75,9 +75,21 @@ class StepScoring:
             self._add_contact(info)
         return total(contributions), info
 
-    def _add_contact(self, info: Array) -> None:
+    def at_start(self) -> Array:
+        """The `info` (N, fields) at the start of an episode: the contact force there; all else is zero."""
+        info = np.zeros(self._shape)
+        if self._has_contact:
+            info[self._column["contact_force"]] = self._contact_force()
+        return info
+
+    def _contact_force(self) -> Array:
+        """Magnitude of the contact force of each environment (N) [N]."""
         force = self._physics.contact_force
-        magnitude = norm(force)
+        magnitude: Array = norm(force)
+        return magnitude
+
+    def _add_contact(self, info: Array) -> None:
+        magnitude = self._contact_force()
         info[self._column["contact_force"]] = magnitude
         info[self._column["cost_force_bound"]] = magnitude > self._force_bound
 

@@ -124,7 +124,7 @@ class ObservationLayout:
             raise ShapeError("observation", flat.shape, f"(..., {self.size})")
         return {name: flat[..., part] for name, part in self.slices.items()}
 
-    def space(self) -> Box[np.float64]:
+    def space(self) -> "Box[np.float64]":
         """The observation space of one environment, float64."""
         low = np.array([value for field in self.fields for value in field.low])
         high = np.array([value for field in self.fields for value in field.high])

@@ -197,5 +197,5 @@ def test_modes_are_made_for_a_task() -> None:
 
 
 def test_environment_takes_no_function_by_name() -> None:
-    with pytest.raises(UnknownNameError, match="unknown environment keyword 'action_modes'"):
+    with pytest.raises(UnknownNameError, match="unexpected keyword argument 'action_modes'"):
         gymnasium.make("PRP-Impedance-v0", action_modes="prp_gym.action_modes:make_action_mode")

@@ -220,13 +220,23 @@ def test_reward_is_the_sum_of_its_terms_in_info(environment_id: str, scenario: s
 
 def test_info_is_what_was_declared(environment_id: str, scenario: str) -> None:
     env = made(environment_id, scenario, control_frequency=50)
-    _, info = env.reset(seed=0)
-    assert info == {"time": 0.0}
-    for count, (*_, info) in enumerate(run(env, np.tile(still(env), (3, 1))), start=1):
+    _, start = env.reset(seed=0)
+    infos = [start, *(outcome[4] for outcome in run(env, np.tile(still(env), (3, 1))))]
+    for count, info in enumerate(infos):
         assert list(info) == [field.name for field in env.info_fields]
         assert info["time"] == pytest.approx(count / 50, rel=1e-15)  # one rounding
-        assert all(isinstance(value, float) for value in info.values())
+        assert {type(value) for value in info.values()} == {np.float64}  # as libraries that store infos need
     assert all(field.unit and field.description for field in env.info_fields)
+
+
+def test_info_of_reset_is_that_of_an_arm_which_has_not_moved(environment_id: str, scenario: str) -> None:
+    env = made(environment_id, scenario)
+    _, info = env.reset(seed=0, options=start_of(env))
+    force = info.pop("contact_force", 0.0)
+    assert set(info.values()) == {0.0}
+    # one root; zero for tasks without contact
+    assert force == pytest.approx(np.linalg.norm(env.physics.contact_force[0]), rel=1e-15)
+    assert (force > 0.0) == bool(start_of(env))
 
 
 @pytest.mark.parametrize(("environment_id", "scenario", "rate"), every(RATES))

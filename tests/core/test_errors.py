@@ -2,6 +2,7 @@
 
 import pickle
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -24,6 +25,7 @@ from prp_gym.errors import (
     RenderingError,
     RunFolderError,
     ShapeError,
+    UnknownKeywordError,
     UnknownNameError,
     UnreachableError,
     UserCodeError,
@@ -34,6 +36,7 @@ NAMES = st.lists(st.text("abcdefgh_", min_size=3, max_size=12), min_size=1, max_
 CONTROLLERS = ("joint_pd", "joint_inverse_dynamics", "impedance", "admittance")
 WITH_FACTS = [
     UnknownNameError("controller", "impedence", CONTROLLERS),
+    UnknownKeywordError("the environment", "duratoin", ("duration", "scenario")),
     InvalidValueError("duration", -1.0, "above 0", "s"),
     ShapeError("action", (2,), "(3,)"),
     NonFiniteError("action", [0.0, float("nan"), 0.0]),
@@ -174,3 +177,33 @@ def test_error_survives_the_transfer_between_processes(error: PRPError) -> None:
 def test_error_without_facts_survives_the_transfer_between_processes(error: PRPError) -> None:
     back = pickle.loads(pickle.dumps(error))
     assert (type(back), str(back)) == (type(error), str(error))
+
+
+@pytest.mark.parametrize("error", EXAMPLES, ids=class_name)
+def test_error_can_be_made_again_from_its_message(error: PRPError) -> None:
+    again = type(error)(str(error))
+    assert (type(again), str(again)) == (type(error), str(error))
+    back = pickle.loads(pickle.dumps(again))
+    assert (type(back), str(back)) == (type(error), str(error))
+
+
+@pytest.mark.parametrize("error", WITH_FACTS, ids=class_name)
+def test_error_made_again_from_itself_keeps_its_facts(error: Any) -> None:
+    again = type(error)(error)
+    assert (type(again), str(again)) == (type(error), str(error))
+    assert repr(vars(again)) == repr(vars(error))
+
+
+def test_constructor_without_its_facts_is_refused_as_any_other() -> None:
+    arguments: list[Any] = ["duration", -1.0]
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'allowed'"):
+        InvalidValueError(*arguments)
+
+
+def test_unknown_keyword_is_refused_in_pythons_words() -> None:
+    error = UnknownKeywordError("the environment", "duratoin", ("duration", "scenario"))
+    assert isinstance(error, TypeError)
+    assert str(error) == (
+        "the environment got an unexpected keyword argument 'duratoin'. Did you mean 'duration'?"
+        " Valid: duration, scenario."
+    )

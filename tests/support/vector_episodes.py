@@ -127,7 +127,8 @@ def run_alone(env: PRPEnv, seed: int, actions: NDArray[Any], again: int) -> list
         if terminated or truncated:
             final = bits(observation)
             observation, start = env.reset()
-            own = {"final_obs": final, "final_info": own, "time": bits(start["time"])}
+            begun = {name: bits(value) for name, value in start.items()}
+            own = {"final_obs": final, "final_info": own, **begun}
         history.append((bits(observation), bits(reward), terminated, truncated, own))
     return history
 

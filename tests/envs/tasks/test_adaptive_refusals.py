@@ -45,7 +45,7 @@ NAN, INFINITY = float("nan"), float("inf")
         ("reference_frequency", INFINITY, InvalidValueError, "reference_frequency is inf Hz"),
         ("reference_frequency", NAN, InvalidValueError, "reference_frequency is nan Hz"),
         ("reference", "cosine", UnknownNameError, "unknown reference 'cosine'"),
-        ("start", "home", UnknownNameError, "unknown environment keyword 'start'"),
+        ("start", "home", UnknownNameError, "unexpected keyword argument 'start'"),
     ],
 )
 def test_impossible_keyword_is_refused(name: str, value: Any, kind: type[PRPError], message: str) -> None:

@@ -42,7 +42,7 @@ def test_target_keywords_replace_the_tasks_own_numbers_and_no_others(environment
 
 def test_static_task_takes_no_inertia_or_damping() -> None:
     for name in ("target_inertia", "target_damping"):
-        with pytest.raises(UnknownNameError, match=f"unknown environment keyword '{name}'"):
+        with pytest.raises(UnknownNameError, match=f"unexpected keyword argument '{name}'"):
             environment(COMPLIANCE, **{name: 1.0})
 
 
