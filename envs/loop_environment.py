@@ -9,13 +9,13 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from prp_gym.checks import as_numbers, check_finite, choice
 from prp_gym.envs.action_mode import TORQUE, ActionField, ModeSetup, make_action_mode
-from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.core.info import InfoField
 from prp_gym.envs.core.loop import EpisodeLoop, LoopState
 from prp_gym.envs.core.mode_loop import ModeLoop
-from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
+from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import OffscreenRenderer, OverlayItem, WindowRenderer, force_arrow
 from prp_gym.robot.arm import PRPArm
@@ -190,15 +190,13 @@ class LoopEnvironment:
             raise InvalidValueError("reset options", options, "a dictionary")
         checked = {}
         for name, value in options.items():
-            if name not in self.task.reset_options:
-                raise UnknownNameError("reset option", name, self.task.reset_options)
+            choice("reset option", name, self.task.reset_options)
             values = as_numbers(f"reset option {name!r}", value)
             shape = self.task.reset_options[name].shape
             allowed = [(*lead, *shape) for lead in leads]
             if values.shape not in allowed:
                 raise ShapeError(f"reset option {name!r}", values.shape, " or ".join(map(str, allowed)))
-            if not np.isfinite(values).all():
-                raise NonFiniteError(f"reset option {name!r}", values.tolist())
+            check_finite(f"reset option {name!r}", values)
             checked[name] = np.broadcast_to(values, (self._loop.num_envs, *shape))
         return checked
 

@@ -10,13 +10,13 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from prp_gym.envs.checks import as_numbers, whole
+from prp_gym.checks import as_numbers, whole
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
 from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, start_info, step_info
-from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
+from prp_gym.envs.vector_keywords import MOST_ENVIRONMENTS, OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
@@ -73,7 +73,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         if self.config.render_mode == "human":
             modes = ", ".join(mode for mode in RENDER_MODES if mode != "human")
             raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")
-        self.num_envs = whole("num_envs", num_envs, 1)
+        self.num_envs = whole("num_envs", num_envs, 1, MOST_ENVIRONMENTS)
         threads = parse_threads(num_threads, self.num_envs)
         self._mode = parse_mode(autoreset_mode)
         self._loop = self.new_loop(self.num_envs, threads)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-_LONGEST_NAME = 100  # characters; longer texts are no misspelt names, and the search for a near one takes long
+_LONGEST_NAME = 100  # characters; a longer text is no misspelt name
 _MOST_BITS = 512  # of an integer that is written out
 _MOST_BYTES = 512  # of an array that is written out
 _MOST_ENTRIES = 100  # of a dictionary or set that is written out

@@ -1,23 +1,50 @@
 """Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from prp_gym.errors import ShapeError
+from prp_gym.checks import Array, as_numbers, check_finite
+from prp_gym.errors import InvalidValueError, ShapeError
 
-Array = NDArray[np.float64]
+__all__ = [
+    "Array",
+    "apply",
+    "apply_transposed",
+    "as_vectors",
+    "broadcast",
+    "matrix_like",
+    "solve",
+    "solve_least_squares",
+]
 
 
 def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
-    """`values` as a float64 array whose last axis has `size` components.
+    """`values` as a float64 array whose last axis has `size` finite components.
 
     Raises:
         ShapeError: the last axis has another size.
+        InvalidValueError: values that are not numbers, or are so large that products of them overflow.
+        NonFiniteError: NaN or infinity.
     """
-    array = np.asarray(values, dtype=np.float64)
+    given = isinstance(values, np.ndarray) and values.dtype == np.float64
+    array: Array = values if given else as_numbers(what, values)  # type: ignore[assignment]
     if array.ndim == 0 or array.shape[-1] != size:
         raise ShapeError(what, array.shape, f"(..., {size})")
+    check_finite(what, array)
     return array
+
+
+def broadcast(*arrays: Array) -> tuple[Array, ...]:
+    """The arrays with common leading dimensions.
+
+    Raises:
+        InvalidValueError: arrays without common leading dimensions.
+    """
+    try:
+        return tuple(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in arrays)
+        raise InvalidValueError("leading dimensions", shapes, "dimensions that broadcast") from None
 
 
 def matrix_like(reference: Array, rows: int, columns: int) -> Array:
@@ -50,5 +77,16 @@ def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> A
     normal = np.matmul(transposed, matrix)
     if damping > 0.0:
         normal = normal + damping**2 * np.eye(matrix.shape[-1])
-    solution: Array = np.linalg.solve(normal, np.matmul(transposed, vector[..., None]))[..., 0]
-    return solution
+    return solve(normal, np.matmul(transposed, vector[..., None])[..., 0])
+
+
+def solve(matrix: Array, vector: Array) -> Array:
+    """The solution x of A x = b: (..., n, n), (..., n) -> (..., n).
+
+    Raises:
+        InvalidValueError: a matrix that is singular, as for parameters of very different magnitudes.
+    """
+    try:
+        return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=np.float64)
+    except np.linalg.LinAlgError:
+        raise InvalidValueError("matrix", matrix.tolist(), "one that can be inverted") from None

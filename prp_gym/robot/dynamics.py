@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, apply_transposed, as_vectors, matrix_like
+from prp_gym.robot.arrays import Array, apply, apply_transposed, as_vectors, broadcast, matrix_like, solve
 from prp_gym.robot.motion import MotionConversion
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
@@ -203,8 +203,7 @@ class Dynamics(MotionConversion):
         force = as_vectors(contact_force, "contact_force")
         J = self.analytical_jacobian(q)[..., :3, :]
         right = as_vectors(torque, "torque") - self.bias_force(q, velocity) - apply_transposed(J, force)
-        solution = np.linalg.solve(self.inertia_matrix(q), right[..., None])
-        return np.asarray(solution[..., 0], dtype=np.float64)
+        return solve(self.inertia_matrix(q), right)
 
     def kinetic_energy(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
         """T = ½ q̇^T B(q) q̇.
@@ -247,5 +246,5 @@ class Dynamics(MotionConversion):
         q = as_vectors(joint_position, "joint_position")
         velocity = as_vectors(joint_velocity, "joint_velocity")
         if q.shape != velocity.shape:
-            q, velocity = np.broadcast_arrays(q, velocity)
+            q, velocity = broadcast(q, velocity)
         return q, velocity

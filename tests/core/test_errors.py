@@ -58,7 +58,6 @@ WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")
 EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
 
 
-
 class WithoutText:
     def __repr__(self) -> str:
         raise RuntimeError("no text")
