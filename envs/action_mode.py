@@ -7,7 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.checks import choice, instance
+from prp_gym.errors import InvalidValueError
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import TORQUE_UNITS
@@ -192,7 +193,7 @@ def register_action_mode(spec: ActionModeSpec) -> ActionModeSpec:
     Raises:
         InvalidValueError: a name that another mode has, or that cannot be a file's name; a revision below 1.
     """
-    if spec.name == TORQUE:
+    if instance("action mode", spec, ActionModeSpec).name == TORQUE:
         raise InvalidValueError("name of action_mode", spec.name, "one that no other action_mode has")
     return ACTION_MODES.register(spec)
 
@@ -212,8 +213,8 @@ def check_action_mode(name: object) -> None:
     Raises:
         UnknownNameError: no such mode.
     """
-    if not isinstance(name, str) or (name != TORQUE and name not in _named()):
-        raise UnknownNameError("action_mode", name, list_action_modes())
+    if not isinstance(name, str) or name != TORQUE:
+        choice("action_mode", name, list_action_modes())
 
 
 def make_action_mode(name: str, setup: ModeSetup) -> ActionMode:
@@ -228,9 +229,7 @@ def make_action_mode(name: str, setup: ModeSetup) -> ActionMode:
         MissingFieldError: the environment does not observe what the controller reads.
     """
     modes = _named()
-    if name not in modes:
-        raise UnknownNameError("action_mode", name, list_action_modes())
-    spec, ending = modes[name]
+    spec, ending = modes[choice("action_mode", name, modes)]
     return spec.entry.make(ending, setup)
 
 

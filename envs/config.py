@@ -7,10 +7,10 @@ from typing import Self, TypeVar
 
 import numpy as np
 
+from prp_gym.checks import as_numbers, choice, shaped
 from prp_gym.envs.action_mode import INNER_FREQUENCY, TORQUE, check_action_mode
 from prp_gym.envs.base.scenarios import load_scenario
-from prp_gym.envs.checks import shaped
-from prp_gym.errors import InvalidValueError, UnknownKeywordError, UnknownNameError
+from prp_gym.errors import InvalidValueError, UnknownKeywordError
 from prp_gym.physics.rendering import check_view
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import TORQUE_UNITS
@@ -18,6 +18,8 @@ from prp_gym.tasks.scenario import Scenario
 
 SUBSTEPS_PER_SECOND = 1000
 _LEAST_RATE = 1e-3  # Hz
+_LONGEST = 1e6  # s
+_LEAST_TORQUE = 1e-6  # N m, N, N m
 RENDER_MODES = ("human", "rgb_array", "depth_array")
 UNLIMITED_TORQUE = 1e6
 """What `torque_limit=None` stands for [N m, N, N m]: more than any controller asks for, yet finite."""
@@ -82,8 +84,8 @@ class EnvConfig:
     def __post_init__(self) -> None:
         load_scenario(self.scenario)
         check_action_mode(self.action_mode)
-        if self.render_mode is not None and self.render_mode not in RENDER_MODES:
-            raise UnknownNameError("render_mode", self.render_mode, RENDER_MODES)
+        if self.render_mode is not None:
+            choice("render_mode", self.render_mode, RENDER_MODES)
         self._check_numbers()
         check_view(self.width, self.height, self.camera)
         self._check_times()
@@ -91,10 +93,7 @@ class EnvConfig:
 
     def _check_numbers(self) -> None:
         for name, unit in (("control_frequency", "Hz"), ("duration", "s")):
-            shaped(name, getattr(self, name), (), unit)
-        for name in ("width", "height"):
-            if not isinstance(getattr(self, name), (int, np.integer)):
-                raise InvalidValueError(name, getattr(self, name), "a whole number", "pixels")
+            object.__setattr__(self, name, float(shaped(name, getattr(self, name), (), unit)))
 
     def _check_times(self) -> None:
         rate = self.control_frequency
@@ -105,8 +104,8 @@ class EnvConfig:
             allowed = f"a divisor of {INNER_FREQUENCY:g}, the frequency inside mode {self.action_mode!r}"
             raise InvalidValueError("control_frequency", rate, allowed, "Hz")
         steps = self.duration * rate
-        if not (math.isfinite(steps) and steps > 0.5 and _is_whole(steps)):
-            allowed = f"a positive whole number of control periods of {1 / rate:g} s"
+        if not (0.0 < self.duration <= _LONGEST and steps > 0.5 and _is_whole(steps)):
+            allowed = f"a positive whole number of control periods of {1 / rate:g} s, up to {_LONGEST:g} s"
             raise InvalidValueError("duration", self.duration, allowed, "s")
 
     @property
@@ -140,8 +139,8 @@ class EnvConfig:
     def _make_plain(self) -> None:
         """Convert to Python numbers, so that equal keywords compare equal."""
         object.__setattr__(self, "torque_limit", _plain_limit(self.torque_limit))
-        for name in ("control_frequency", "duration"):
-            object.__setattr__(self, name, float(getattr(self, name)))
+        for name in ("width", "height"):
+            object.__setattr__(self, name, int(getattr(self, name)))
 
     def limits(self, nominal: tuple[float, ...]) -> Array:
         """Actuator limits (joints) [N m, N, N m].
@@ -170,15 +169,16 @@ def _plain_limit(limit: TorqueLimit) -> TorqueLimit:
     """
     if limit is None or (isinstance(limit, str) and limit == "scenario"):
         return limit
+    unit = ", ".join(TORQUE_UNITS)
     try:
-        values = np.asarray(limit, dtype=float)
-    except (TypeError, ValueError):
-        raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS) from None
-    if values.ndim > 1 or values.size == 0 or isinstance(limit, str):
-        raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS)
-    if not ((values > 0.0) & (values <= UNLIMITED_TORQUE)).all():
-        allowed = f"above 0 and at most {UNLIMITED_TORQUE:g}, or None"
-        raise InvalidValueError("torque_limit", limit, allowed, ", ".join(TORQUE_UNITS))
+        values = as_numbers("torque_limit", limit)
+    except InvalidValueError:
+        raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS, unit) from None
+    if values.ndim > 1 or values.size == 0:
+        raise InvalidValueError("torque_limit", limit, _TORQUE_LIMITS, unit)
+    if not ((values >= _LEAST_TORQUE) & (values <= UNLIMITED_TORQUE)).all():
+        allowed = f"{_LEAST_TORQUE:g} to {UNLIMITED_TORQUE:g}, or None"
+        raise InvalidValueError("torque_limit", limit, allowed, unit)
     return float(values) if values.ndim == 0 else tuple(values.tolist())
 
 

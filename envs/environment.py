@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.checks import as_numbers
+from prp_gym.checks import as_numbers, random_seed
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
@@ -83,13 +83,15 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
             [N], and zero for rewards, costs and time, since nothing has happened yet.
 
         Raises:
+            InvalidValueError: a seed that is negative or not a whole number; options that are not a
+                dictionary, or values that are not numbers.
             UnknownNameError: an option that the task does not have.
             ShapeError: an option of another shape.
             NonFiniteError: NaN or infinity in an option.
             JointLimitError: a start or goal outside the joint limits.
         """
-        checked = self.checked_options(options or {}, _ONE_VALUE)
-        super().reset(seed=seed)
+        checked = self.checked_options({} if options is None else options, _ONE_VALUE)
+        super().reset(seed=None if seed is None else random_seed("seed", seed))
         observation = self._loop.reset(_ONLY, [self.np_random], checked)
         if self.render_mode == "human":
             self.render()

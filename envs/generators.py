@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
-from prp_gym.envs.checks import whole
+from prp_gym.checks import random_seed
 from prp_gym.errors import ShapeError
 
 Seeds = int | Sequence[int | None] | NDArray[np.integer[Any]] | None
@@ -63,11 +63,11 @@ class Generators:
         if given is None:
             return [None] * count
         if isinstance(given, str) or not isinstance(given, Sequence):
-            first = whole("seed", given, 0)
+            first = random_seed("seed", given)
             return [first + index for index in range(count)]
         if len(given) != count:
             raise ShapeError("seed", (len(given),), f"one number, or ({count},)")
         return [
-            None if own is None else whole(f"seed of environment {index}", own, 0)
+            None if own is None else random_seed(f"seed of environment {index}", own)
             for index, own in enumerate(given)
         ]

@@ -3,20 +3,21 @@
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
+from prp_gym.checks import as_numbers, check_finite, choice
 from prp_gym.envs.action_mode import TORQUE, ActionField, ModeSetup, make_action_mode
-from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.core.info import InfoField
-from prp_gym.envs.core.loop import EpisodeLoop, LoopState
+from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.mode_loop import ModeLoop
 from prp_gym.envs.episode_spec import EpisodeSpec
-from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
+from prp_gym.envs.saved_state import EnvState, check_generators, check_like, check_parts, restore_loop
+from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import OffscreenRenderer, OverlayItem, WindowRenderer, force_arrow
 from prp_gym.robot.arm import PRPArm
@@ -35,15 +36,6 @@ _VIEW: dict[str, Any] = {
     "height": 1,
     "camera": "top",
 }  # keywords of rendering, which do not affect states
-
-
-class EnvState(NamedTuple):
-    """The saved state of environments; see `PRPEnv.get_state`."""
-
-    loop: LoopState
-    config: EnvConfig
-    options: object
-    generators: tuple[Mapping[str, Any], ...]
 
 
 def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_threads: int) -> EpisodeLoop:
@@ -192,15 +184,13 @@ class LoopEnvironment:
             raise InvalidValueError("reset options", options, "a dictionary")
         checked = {}
         for name, value in options.items():
-            if name not in self.task.reset_options:
-                raise UnknownNameError("reset option", name, self.task.reset_options)
+            choice("reset option", name, self.task.reset_options)
             values = as_numbers(f"reset option {name!r}", value)
             shape = self.task.reset_options[name].shape
             allowed = [(*lead, *shape) for lead in leads]
             if values.shape not in allowed:
                 raise ShapeError(f"reset option {name!r}", values.shape, " or ".join(map(str, allowed)))
-            if not np.isfinite(values).all():
-                raise NonFiniteError(f"reset option {name!r}", values.tolist())
+            check_finite(f"reset option {name!r}", values)
             checked[name] = np.broadcast_to(values, (self._loop.num_envs, *shape))
         return checked
 
@@ -269,21 +259,35 @@ class LoopEnvironment:
 
         Raises:
             InvalidValueError: a value that is not a saved state, or a state of another kind or number of
-                environments or of ones made with other keywords.
+                environments or of ones made with other keywords, or a damaged one.
+            PRPError: a damaged state; nothing is changed.
         """
-        if not isinstance(state, EnvState):
-            raise InvalidValueError(
-                "saved state", type(state).__name__, "an EnvState, from get_state of such an environment"
-            )
-        found = state.loop.rest["task"].environment_id
-        if found != self.task.environment_id:
-            raise InvalidValueError("saved state's task", found, self.task.environment_id)
-        if (replace(state.config, **_VIEW), state.options) != (replace(self.config, **_VIEW), self.options):
-            raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
-        observation = self._loop.set_state(state.loop)
+        self.require_same(state)
+        check_like(state.loop, self._loop)
+        check_generators(state.generators, generators)
+        observation = restore_loop(state.loop, self._loop)
         for generator, saved in zip(generators, state.generators, strict=True):
             generator.bit_generator.state = dict(saved)
         return observation
+
+    def require_same(self, state: EnvState) -> None:
+        """Refuse the state of another task, of other keywords, or of another number of environments.
+
+        Raises:
+            InvalidValueError: such a state, or a value that is not a saved state.
+        """
+        check_parts(state)
+        task = state.loop.rest.get("task")
+        found = task.environment_id if isinstance(task, Task) else task
+        if not isinstance(found, str) or found != self.task.environment_id:
+            raise InvalidValueError("saved state's task", found, self.task.environment_id)
+        view, own_view = replace(state.config, **_VIEW), replace(self.config, **_VIEW)
+        if view != own_view or type(state.options) is not type(self.options) or state.options != self.options:
+            raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
+        waiting = state.loop.rest.get("_needs_reset")
+        count = len(waiting) if isinstance(waiting, np.ndarray) and waiting.ndim else waiting
+        if not isinstance(count, int) or count != self._loop.num_envs:
+            raise InvalidValueError("state's number of environments", count, f"{self._loop.num_envs}")
 
     def close_renderer(self) -> None:
         """Close the window and free the rendering context."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -10,26 +10,27 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from prp_gym.envs.checks import as_numbers, whole
+from prp_gym.checks import as_numbers, whole
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.generators import Generators, Seeds
-from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
-from prp_gym.envs.vector_info import RESET_MASK, Mask, checked_mask, final_info, masked_info
-from prp_gym.envs.vector_keywords import OWN_KEYWORDS, parse_mode, parse_threads
+from prp_gym.envs.loop_environment import LoopEnvironment
+from prp_gym.envs.saved_state import VectorState
+from prp_gym.envs.vector_info import (
+    RESET_MASK,
+    Mask,
+    checked_ended,
+    checked_mask,
+    final_info,
+    masked_info,
+)
+from prp_gym.envs.vector_keywords import MOST_ENVIRONMENTS, OWN_KEYWORDS, parse_mode, parse_threads
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.spec import TASKS
 
 Steps = tuple[Array, Array, Mask, Mask, dict[str, Any]]
-
-
-class VectorState(NamedTuple):
-    """The saved state of environments, and which of them wait for their reset; see `get_state`."""
-
-    environments: EnvState
-    ended: Mask
 
 
 class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[Any], NDArray[Any]]):
@@ -74,7 +75,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         if self.config.render_mode == "human":
             modes = ", ".join(mode for mode in RENDER_MODES if mode != "human")
             raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")
-        self.num_envs = whole("num_envs", num_envs, 1)
+        self.num_envs = whole("num_envs", num_envs, 1, MOST_ENVIRONMENTS)
         threads = parse_threads(num_threads, self.num_envs)
         self.autoreset_mode = parse_mode(autoreset_mode)
         self._loop = self.new_loop(self.num_envs, threads)
@@ -292,9 +293,11 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             raise InvalidValueError(
                 "saved state", type(state).__name__, "a VectorState, from get_state of such an environment"
             )
-        if self.autoreset_mode is AutoresetMode.SAME_STEP and state.ended.any():
-            which = np.flatnonzero(state.ended).tolist()
+        self.require_same(state.environments)
+        ended = checked_ended(state.ended, self.num_envs)
+        if self.autoreset_mode is AutoresetMode.SAME_STEP and ended.any():
+            which = np.flatnonzero(ended).tolist()
             raise InvalidValueError("saved state's ended environments", which, "none with SameStep autoreset")
         observation = self.restore(state.environments, self.np_random)
-        self._ended = state.ended.copy()
+        self._ended = ended.copy()
         return observation

@@ -27,7 +27,7 @@ def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
     """
     try:
         values = np.asarray(mask)
-    except ValueError:  # rows of different lengths
+    except Exception:  # rows of different lengths, or whatever the value's own methods raise
         raise InvalidValueError(RESET_MASK, mask, f"truth values ({num_envs},)") from None
     if values.shape != (num_envs,):
         raise ShapeError(RESET_MASK, values.shape, f"({num_envs},)")
@@ -36,6 +36,17 @@ def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
     if not (started or values.all()):
         raise InvalidValueError(f"{RESET_MASK} of the first reset", values.tolist(), "True everywhere")
     return values
+
+
+def checked_ended(ended: object, num_envs: int) -> Mask:
+    """Validate which environments of a saved state wait for their reset (N).
+
+    Raises:
+        InvalidValueError: anything but an array of N truth values.
+    """
+    if not isinstance(ended, np.ndarray) or ended.dtype != np.bool_ or ended.shape != (num_envs,):
+        raise InvalidValueError("saved state's ended environments", ended, f"truth values ({num_envs},)")
+    return ended
 
 
 def masked_info(names: Sequence[str], values: Array, concerned: Mask) -> dict[str, Any]:

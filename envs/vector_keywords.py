@@ -4,11 +4,12 @@ import os
 
 from gymnasium.vector import AutoresetMode
 
-from prp_gym.envs.checks import whole
-from prp_gym.errors import UnknownNameError
+from prp_gym.checks import choice, whole
 
 OWN_KEYWORDS = frozenset(("num_threads", "autoreset_mode", "max_episode_steps"))
 
+MOST_ENVIRONMENTS = 100_000
+_MOST_THREADS = 1024
 _ENVIRONMENTS_PER_THREAD = 4  # with fewer, waking a thread takes longer than it saves
 
 
@@ -18,10 +19,9 @@ def parse_mode(mode: AutoresetMode | str) -> AutoresetMode:
     Raises:
         UnknownNameError: a mode that does not exist.
     """
-    try:
-        return AutoresetMode(mode)
-    except ValueError:
-        raise UnknownNameError("autoreset_mode", mode, [known.value for known in AutoresetMode]) from None
+    if isinstance(mode, AutoresetMode):
+        return mode
+    return AutoresetMode(choice("autoreset_mode", mode, [known.value for known in AutoresetMode]))
 
 
 def parse_threads(num_threads: int, num_envs: int) -> int:
@@ -30,7 +30,7 @@ def parse_threads(num_threads: int, num_envs: int) -> int:
     Raises:
         InvalidValueError: a number that is negative or not whole.
     """
-    wanted = whole("num_threads", num_threads, 0)
+    wanted = whole("num_threads", num_threads, 0, _MOST_THREADS)
     if wanted > 0:
         return wanted
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

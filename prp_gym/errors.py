@@ -8,8 +8,52 @@ that raise an error of another process again.
 
 import difflib
 import inspect
-from collections.abc import Iterable, Sequence
+import reprlib
+from collections.abc import Iterable, Sequence, Set
 from typing import Any
+
+import numpy as np
+
+_LONGEST_NAME = 100  # characters; a longer text is no misspelt name
+_MOST_BITS = 512  # of an integer that is written out
+_MOST_BYTES = 512  # of an array that is written out
+_MOST_ENTRIES = 100  # of a dictionary or set that is written out
+
+
+class _ShortRepr(reprlib.Repr):
+    """Texts of values of any kind and size, in bounded time."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.maxlevel = 4
+        self.maxstring = self.maxother = width
+        self.maxlist = self.maxtuple = self.maxdict = self.maxset = self.maxfrozenset = 12
+
+    def repr1(self, x: Any, level: int) -> str:
+        """The text of one value; the kinds whose own text may be endless are cut or described first."""
+        if isinstance(x, int) and x.bit_length() > _MOST_BITS:
+            return f"<{type(x).__name__} of {x.bit_length()} bits>"
+        if isinstance(x, (str, bytes, bytearray)) and len(x) > self.maxstring:
+            return repr(x[: self.maxstring]) + "..."
+        if isinstance(x, (np.ndarray, np.generic)) and (x.dtype.hasobject or x.nbytes > _MOST_BYTES):
+            return f"<array of shape {x.shape} and type {x.dtype.name}>"
+        if isinstance(x, (dict, Set)) and len(x) > _MOST_ENTRIES:
+            return f"<{type(x).__name__} of {len(x)} entries>"
+        return super().repr1(x, level)
+
+
+def shortened(value: object, width: int = 80) -> str:
+    """The text of a value for a message: its `repr`, cut to a width.
+
+    Args:
+        value: any object, of any size, also one without a text of its own.
+        width: largest number of characters.
+    """
+    try:
+        text = _ShortRepr(width).repr(value)
+    except Exception:  # whatever the value's own methods raise
+        text = f"<{type(value).__name__} without a text>"
+    return text if len(text) <= width else f"{text[: width - 3]}..."
 
 
 class ErrorType(type):
@@ -56,14 +100,15 @@ class UnknownNameError(PRPError, ValueError):
         self.kind = kind
         self.name = name
         self.valid = tuple(sorted(valid))
-        near = difflib.get_close_matches(str(name), self.valid, n=1)
+        comparable = isinstance(name, str) and len(name) <= _LONGEST_NAME
+        near = difflib.get_close_matches(str(name), self.valid, n=1) if comparable else []
         hint = f" Did you mean {near[0]!r}?" if near else ""
         listing = ", ".join(self.valid) if self.valid else "none"
         super().__init__(f"{self.problem()}.{hint} Valid: {listing}.")
 
     def problem(self) -> str:
         """First sentence of the message, without its full stop."""
-        return f"unknown {self.kind} {self.name!r}"
+        return f"unknown {self.kind} {shortened(self.name)}"
 
 
 class UnknownKeywordError(UnknownNameError, TypeError):
@@ -74,7 +119,7 @@ class UnknownKeywordError(UnknownNameError, TypeError):
 
     def problem(self) -> str:
         """First sentence of the message, in Python's words."""
-        return f"{self.kind} got an unexpected keyword argument {self.name!r}"
+        return f"{self.kind} got an unexpected keyword argument {shortened(self.name)}"
 
 
 class InvalidValueError(PRPError, ValueError):
@@ -85,7 +130,7 @@ class InvalidValueError(PRPError, ValueError):
         self.value = value
         self.allowed = allowed
         self.unit = unit
-        shown = f"{value!r} {unit}".rstrip()
+        shown = f"{shortened(value)} {unit}".rstrip()
         super().__init__(f"{what} is {shown}; allowed: {allowed}.")
 
 
@@ -96,7 +141,7 @@ class ShapeError(PRPError, ValueError):
         self.what = what
         self.shape = tuple(shape)
         self.expected = expected
-        super().__init__(f"{what} has shape {self.shape}; expected {expected}.")
+        super().__init__(f"{what} has shape {shortened(self.shape)}; expected {expected}.")
 
 
 class NonFiniteError(PRPError, ValueError):
@@ -105,7 +150,7 @@ class NonFiniteError(PRPError, ValueError):
     def __init__(self, what: str, value: object) -> None:
         self.what = what
         self.value = value
-        super().__init__(f"{what} is {value}; every component must be finite.")
+        super().__init__(f"{what} is {shortened(value)}; every component must be finite.")
 
 
 class JointLimitError(PRPError, ValueError):

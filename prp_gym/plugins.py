@@ -13,7 +13,8 @@ from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
-from prp_gym.errors import PluginError
+from prp_gym.checks import text
+from prp_gym.errors import InvalidValueError, PluginError
 
 GROUP = "prp_gym.plugins"
 """Entry-point group in which an installed package names its modules."""
@@ -35,7 +36,10 @@ def load_plugins(modules: Iterable[str] = ()) -> list[str]:
 
     Raises:
         PluginError: a module that does not exist or fails as it is imported.
+        InvalidValueError: names that are not texts.
     """
+    if isinstance(modules, (str, bytes)) or not isinstance(modules, Iterable):
+        raise InvalidValueError("modules", modules, "names of modules")
     installed = sorted({entry.module for entry in entry_points(group=GROUP)})
     load_modules([*installed, *modules])
     return list(_loaded)
@@ -48,7 +52,7 @@ def load_modules(modules: Iterable[str]) -> None:
         PluginError: a module that does not exist or fails as it is imported.
     """
     for name in modules:
-        if name not in _loaded:
+        if text("name of plugin", name) not in _loaded:
             search_current_folder()
             _import(name)
             _loaded[name] = digest_module(name)
@@ -97,8 +101,8 @@ def error_line(error: BaseException, belongs: Callable[[str], bool]) -> tuple[st
 
 def error_reason(error: BaseException) -> str:
     """Kind and message of an error on one line."""
-    text = " ".join(str(error.msg if isinstance(error, SyntaxError) else error).split())
-    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+    told = " ".join(str(error.msg if isinstance(error, SyntaxError) else error).split())
+    return f"{type(error).__name__}: {told}" if told else type(error).__name__
 
 
 def _import(name: str) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from importlib import import_module
 from typing import Generic, Protocol, TypeVar
 
+from prp_gym.checks import whole
 from prp_gym.errors import InvalidValueError, UnknownNameError
 
 NOT_IN_THE_REPORT = 1000.0
@@ -59,9 +60,7 @@ class Registry(Mapping[str, SpecT], Generic[SpecT]):
         if not isinstance(spec.name, str) or not _NAME.fullmatch(spec.name):
             allowed = "a letter, then letters, digits, '_', '-' or '.'"
             raise InvalidValueError(f"name of {self._kind}", spec.name, allowed)
-        if isinstance(spec.revision, bool) or not isinstance(spec.revision, int) or spec.revision < 1:
-            allowed = "a whole number, at least 1"
-            raise InvalidValueError(f"revision of {self._kind} {spec.name!r}", spec.revision, allowed)
+        whole(f"revision of {self._kind} {spec.name!r}", spec.revision, 1)
         if self._specs.setdefault(spec.name, spec) != spec:
             allowed = f"one that no other {self._kind} has"
             raise InvalidValueError(f"name of {self._kind}", spec.name, allowed)

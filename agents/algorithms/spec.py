@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from prp_gym.agents.sb3.actors import ActorReader
 from prp_gym.agents.sb3.arguments import NOISE_KEYS
 from prp_gym.agents.sb3.packages import require
+from prp_gym.checks import instance
 from prp_gym.errors import UnknownNameError
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 
@@ -137,4 +138,4 @@ def register_algorithm(spec: AlgorithmSpec) -> AlgorithmSpec:
     Raises:
         InvalidValueError: a name that is taken or that cannot be the name of a file; a revision below 1.
     """
-    return ALGORITHMS.register(spec)
+    return ALGORITHMS.register(instance("algorithm", spec, AlgorithmSpec))

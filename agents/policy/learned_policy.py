@@ -10,7 +10,8 @@ from prp_gym.agents.policy.agent_card import AgentCard, Keyword, make_features
 from prp_gym.agents.policy.environment_facts import check_same
 from prp_gym.agents.policy.network import Network
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.checks import flag
+from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 
 
@@ -98,17 +99,17 @@ class LearnedPolicy:
         Raises:
             ShapeError: an observation of another size, for instance behind a wrapper that changes it; a state
                 of another agent or number of environments; an `episode_start` of another size.
-            InvalidValueError: an observation that is a dictionary; `deterministic=False`.
+            InvalidValueError: an observation that is a dictionary or holds no numbers or huge ones; a state
+                or an `episode_start` of another kind; `deterministic=False`.
+            NonFiniteError: NaN or infinity in the observation or the state.
         """
         if isinstance(observation, dict):
             raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
-        if not deterministic:
+        if not flag("deterministic", deterministic):
             raise InvalidValueError(
                 "deterministic", deterministic, "True: an exported agent does not explore"
             )
-        flat = np.asarray(observation, dtype=np.float64)
-        if flat.ndim == 0 or flat.shape[-1] != self._layout.size:
-            raise ShapeError("observation", flat.shape, f"(..., {self._layout.size})")
+        flat = self._layout.checked(observation)
         lead = flat.shape[:-1]
         memory = state_to_begin_with(self.network.initial_memory(lead), state, episode_start, lead)
         action, after = self.network(self.normalizer(self._features(flat)), memory)

@@ -10,14 +10,18 @@ from typing import Any, ClassVar, Self, cast, overload
 import numpy as np
 
 from prp_gym.baselines.base.policy import Observed, StaticBaseline
-from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.settings import LARGEST_SETTING, Settings, Vector
 from prp_gym.baselines.base.spec import ControllerSpec
+from prp_gym.checks import as_numbers, finite, text
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import ObservationLayout
 
 Function = Callable[..., Array]
 Default = float | tuple[float, ...]
+
+LARGEST_TORQUE = 1e150
+"""Largest magnitude of a torque that a function may return; it is limited to that of the actuator."""
 
 MODEL = "model"
 """Name of the parameter that is the nominal robot and not an observation field."""
@@ -71,15 +75,13 @@ class FunctionPolicy(StaticBaseline[FunctionSettings]):
         Raises:
             ShapeError: not one torque for every joint.
             InvalidValueError: no numbers.
+            NonFiniteError: NaN or infinity.
         """
         values = [self.model if name == MODEL else observed[name] for name in self.arguments]
         settings = {name: getattr(self.settings, name) for name in self.settings.vectors}
         what = f"torques returned by controller function {self.function.__name__!r}"
         returned = type(self).function(*values, **settings)
-        try:
-            torque = np.asarray(returned, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InvalidValueError(what, returned, "numbers") from None
+        torque = finite(what, returned, largest=LARGEST_TORQUE)
         expected = observed["joint_position"].shape
         if torque.shape != expected:
             raise ShapeError(what, torque.shape, f"{expected}, one torque for every joint")
@@ -149,6 +151,9 @@ def controller(
 def _declare(function: Function, name: str | None, summary: str | None) -> FunctionControllerSpec:
     if not inspect.isfunction(function):
         raise InvalidValueError("controller", function, "a function of observation fields")
+    for what, given in (("name of controller", name), ("summary of controller", summary)):
+        if given is not None:
+            text(what, given)
     described = (inspect.getdoc(function) or "").partition("\n")[0]
     return FunctionControllerSpec(
         name=name or function.__name__,
@@ -215,13 +220,8 @@ def _numbers(what: str, given: Any) -> Array:
     Raises:
         InvalidValueError: anything else, or a number that is not finite.
     """
-    allowed = "a finite number or several"
-    if isinstance(given, (str, bytes, bool)):
-        raise InvalidValueError(what, given, allowed)
-    try:
-        numbers = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidValueError(what, given, allowed) from None
-    if numbers.ndim > 1 or not np.isfinite(numbers).all():
+    numbers = as_numbers(what, given)
+    if numbers.ndim > 1 or not (np.abs(numbers) <= LARGEST_SETTING).all():
+        allowed = f"a finite number or several, magnitudes up to {LARGEST_SETTING:g}"
         raise InvalidValueError(what, given, allowed)
     return numbers

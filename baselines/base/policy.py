@@ -201,11 +201,14 @@ class Baseline(ABC, Generic[SettingsT]):
         Raises:
             ShapeError: an observation of another size, for instance behind a wrapper that changes it;
                 a state of another controller or number of environments; an `episode_start` of another number.
-            InvalidValueError: an observation that is a dictionary.
+            InvalidValueError: an observation that is a dictionary or holds no numbers or huge ones; a state
+                or an `episode_start` of another kind.
+            NonFiniteError: NaN or infinity in the observation or the state.
         """
         if isinstance(observation, dict):
             raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
-        observed = self.interface.layout.split(observation)
+        layout = self.interface.layout
+        observed = layout.split(layout.checked(observation))
         before = self._begin(observed, state, episode_start)
         torque, after = self.control(observed, before)
         demand = torque / self.interface.torque_limit

@@ -6,9 +6,16 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
+from prp_gym.checks import as_numbers, choice, shaped
+from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.link import LinkParameters
 from prp_gym.robot.parameters import RobotParameters
+
+LARGEST_SETTING = 1e9
+"""Largest number of a setting, in its unit: products of settings and observations do not overflow."""
+
+LEAST_SETTING = 1e-9
+"""Least number of a setting that must be above 0, in its unit."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +60,7 @@ class Settings:
         for name, unit in self.numbers.items():
             self._make_number(name, unit)
         for name, allowed in self.choices.items():
-            if getattr(self, name) not in allowed:
-                raise UnknownNameError(name, getattr(self, name), allowed)
+            choice(name, getattr(self, name), allowed)
 
     @classmethod
     def from_mapping(cls, controller: str, values: Mapping[str, Any]) -> Self:
@@ -62,13 +68,13 @@ class Settings:
 
         Raises:
             UnknownNameError: a name that the controller does not have; a word that a setting does not allow.
+            ShapeError: several numbers in place of one.
             InvalidValueError: a value that is not allowed; no value for a setting without default.
         """
         entries = fields(cls)
         names = [entry.name for entry in entries]
         for name in values:
-            if name not in names:
-                raise UnknownNameError(f"setting of controller {controller!r}", name, names)
+            choice(f"setting of controller {controller!r}", name, names)
         missing = [entry.name for entry in entries if entry.default is MISSING and entry.name not in values]
         if missing:
             given, needed = ", ".join(sorted(values)) or "none", ", ".join(missing)
@@ -94,21 +100,18 @@ class Settings:
 
     def _make_vector(self, name: str, declared: Vector) -> None:
         given, unit = getattr(self, name), declared.unit
-        try:
-            vector = np.array(given, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise InvalidValueError(name, given, "one number or several", unit) from None
-        if vector.ndim > 1 or not (np.isfinite(vector).all() and (vector >= 0.0).all()):
-            raise InvalidValueError(name, given, "finite and at least 0", unit)
-        if declared.above_zero and not (vector > 0.0).all():
-            raise InvalidValueError(name, vector.tolist(), "above 0", unit)
+        vector = as_numbers(name, given, unit)
+        if vector.ndim > 1 or not ((vector >= 0.0) & (vector <= LARGEST_SETTING)).all():
+            allowed = f"finite and at least 0, up to {LARGEST_SETTING:g}"
+            raise InvalidValueError(name, given, allowed, unit)
+        if declared.above_zero and not (vector >= LEAST_SETTING).all():
+            raise InvalidValueError(name, vector.tolist(), f"above 0, at least {LEAST_SETTING:g}", unit)
         vector.flags.writeable = False
         object.__setattr__(self, name, vector)
 
     def _make_number(self, name: str, unit: str) -> None:
         given = getattr(self, name)
-        if isinstance(given, bool) or not isinstance(given, (int, float, np.number)):
-            raise InvalidValueError(name, given, "a number", unit)
-        if not (np.isfinite(given) and given >= 0.0):
-            raise InvalidValueError(name, given, "finite and at least 0", unit)
-        object.__setattr__(self, name, float(given))
+        number = float(shaped(name, given, (), unit))
+        if not 0.0 <= number <= LARGEST_SETTING:
+            raise InvalidValueError(name, given, f"finite and at least 0, up to {LARGEST_SETTING:g}", unit)
+        object.__setattr__(self, name, number)

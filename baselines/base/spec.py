@@ -9,6 +9,7 @@ from typing import Any, Self
 
 from prp_gym.baselines.base.policy import Baseline
 from prp_gym.baselines.base.settings import Settings
+from prp_gym.checks import instance
 from prp_gym.errors import GainsFileError
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.tasks.fields import ObservationLayout
@@ -138,7 +139,7 @@ def register_controller(spec: ControllerSpec) -> ControllerSpec:
         InvalidValueError: a name that another controller has, or that cannot be a file's name; a revision
             below 1.
     """
-    return CONTROLLERS.register(spec)
+    return CONTROLLERS.register(instance("controller", spec, ControllerSpec))
 
 
 def find_controller(controller: str | ControllerSpec) -> ControllerSpec:

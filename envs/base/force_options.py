@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from prp_gym.checks import within
 from prp_gym.envs.base.surface_options import SurfaceOptions
-from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array

@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from prp_gym.errors import UnknownNameError
+from prp_gym.checks import choice
 from prp_gym.tasks.scenario import Scenario
 
 
@@ -21,6 +21,5 @@ def load_scenario(name: str) -> Scenario:
         UnknownNameError: a scenario that does not exist.
     """
     tables = _tables()
-    if not isinstance(name, str) or name not in tables:
-        raise UnknownNameError("scenario", name, tables)
+    choice("scenario", name, tables)
     return Scenario.from_table(name, tables[name])

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from prp_gym.envs.checks import shaped, within
+from prp_gym.checks import shaped, within
 from prp_gym.envs.config import describe
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.checks import bounded
 from prp_gym.envs.base.surface_options import SurfaceOptions
-from prp_gym.envs.checks import as_numbers
 from prp_gym.envs.config import describe
-from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.errors import ShapeError
 
 Axes = float | tuple[float, ...] | None
 
@@ -70,10 +70,7 @@ def _make_six(options: Any) -> None:
 
 
 def _six(name: str, value: object, unit: str) -> tuple[float, ...]:
-    axes = as_numbers(name, value, unit)
+    axes = bounded(name, value, _TARGET_BOUNDS[name], unit)
     if axes.shape not in ((), (6,)):
         raise ShapeError(name, axes.shape, "one number or (6,)")
-    low, high = _TARGET_BOUNDS[name]
-    if not ((axes >= low) & (axes <= high)).all():
-        raise InvalidValueError(name, value, f"{low:g} to {high:g}", unit)
     return tuple(np.broadcast_to(axes, 6).tolist())

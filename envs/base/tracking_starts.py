@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from prp_gym.checks import choice
 from prp_gym.envs.base.arm_world import ARM_OPTIONS, ArmWorld, check_joint_limits, checked_start
 from prp_gym.envs.config import describe
-from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, StartSampler
@@ -38,8 +38,7 @@ class StartOptions:
     start: str = field(default="scenario", metadata=START_KEYWORD)
 
     def __post_init__(self) -> None:
-        if self.start not in STARTS:
-            raise UnknownNameError("start", self.start, STARTS)
+        choice("start", self.start, STARTS)
 
 
 def path_from(start: Array, waypoints: Array, intervals: Array) -> tuple[Array, Array]:

@@ -274,7 +274,7 @@ class EpisodeLoop:
 
     def get_state(self) -> LoopState:
         """A copy of the complete state of the environments."""
-        return LoopState(self.physics.snapshot(), copy.deepcopy(self._rest()))
+        return copy.deepcopy(self.current_state())
 
     def set_state(self, state: LoopState) -> Array:
         """Restore a state of this loop or of one made with the same keywords.
@@ -283,17 +283,16 @@ class EpisodeLoop:
             Observations (N, size).
 
         Raises:
-            InvalidValueError: a state of a different number of environments.
+            InvalidValueError: a state of another number of environments.
         """
-        found = len(state.rest["_needs_reset"])
-        if found != self.num_envs:
-            raise InvalidValueError("state's number of environments", found, f"{self.num_envs}")
+        rest = copy.deepcopy(state.rest)
         self.physics.restore(state.physics)
-        self.__dict__.update(copy.deepcopy(state.rest))
+        self.__dict__.update(rest)
         return self._observe()
 
-    def _rest(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in self.state_names}
+    def current_state(self) -> LoopState:
+        """The complete state of the environments, whose arrays change with them."""
+        return LoopState(self.physics.snapshot(), {name: getattr(self, name) for name in self.state_names})
 
 
 def _ignore(_: Step) -> None:

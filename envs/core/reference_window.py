@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 
 _MOST_ROWS = 65536  # of all environments together; bounds the memory
@@ -64,6 +65,23 @@ class ReferenceWindow:
         """The present reference (N, size)."""
         row: Array = self._rows[self._tick - self._first]
         return row
+
+    def check_times(self, horizon: int) -> None:
+        """Refuse times that no episode has.
+
+        Args:
+            horizon: Control periods in an episode.
+
+        Raises:
+            InvalidValueError: times before the start or after the end of an episode, or between periods; a
+                period that was not sampled.
+        """
+        elapsed, ahead = self._elapsed, self._tick - self._first
+        whole = (elapsed >= 0.0) & (elapsed == np.floor(elapsed))
+        if not whole.all():
+            raise InvalidValueError("elapsed periods", elapsed.tolist(), f"whole numbers, 0 to {horizon}")
+        if not 0 <= ahead < len(self._rows):
+            raise InvalidValueError("sampled period", ahead, f"0 to {len(self._rows) - 1}")
 
     def _fill(self, sampler: Sampler) -> None:
         self._first = self._tick

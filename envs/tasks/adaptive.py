@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.checks import choice, within
 from prp_gym.envs.base.references import path_overlay
 from prp_gym.envs.base.scoring import LINK_SCORING
-from prp_gym.envs.checks import within
 from prp_gym.envs.config import describe
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import InvalidValueError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.physics.link_simulation import LinkPhysics
@@ -79,8 +79,7 @@ class AdaptiveOptions:
     gravity_moment: float | None = field(default=None, metadata=_plant("gravity_moment"))
 
     def __post_init__(self) -> None:
-        if self.reference not in REFERENCES:
-            raise UnknownNameError("reference", self.reference, REFERENCES)
+        choice("reference", self.reference, REFERENCES)
         for name, bounds in _BOUNDS.items():
             value = getattr(self, name)
             if value is not None:

@@ -1,13 +1,18 @@
 """The state of a policy from one call of `predict` to the next."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import ShapeError
+from prp_gym.checks import as_numbers, check_finite, finite
+from prp_gym.errors import InvalidValueError, ShapeError
 
 PolicyState = tuple[NDArray[Any], ...] | None
+
+_LARGEST = 1e18  # of a state; products with the weights of a network stay within single precision
+_NOWHERE: NDArray[np.bool_] = np.zeros(1, dtype=np.bool_)
 
 
 def state_to_begin_with(
@@ -26,13 +31,20 @@ def state_to_begin_with(
 
     Raises:
         ShapeError: a state of another policy or number of environments; an `episode_start` of another number.
+        InvalidValueError: a state that is not a tuple of arrays of numbers, or holds huge ones; an
+            `episode_start` that does not hold truth values.
+        NonFiniteError: NaN or infinity in the state.
     """
+    starts = _truth_values(episode_start)
+    if state is None:
+        return fresh
+    if not isinstance(state, (tuple, list)):
+        raise InvalidValueError("state", state, "the tuple of arrays that the last call returned, or None")
     if not state:
         return fresh
-    _require_like(fresh, state)
-    if episode_start is None or not np.any(episode_start):
+    state = _require_like(fresh, state)
+    if not np.count_nonzero(starts):
         return state
-    starts = np.asarray(episode_start, dtype=np.bool_)
     if starts.size == 1:
         starts = starts.reshape((1,) * len(lead))
     elif starts.shape != lead:
@@ -43,10 +55,41 @@ def state_to_begin_with(
     )
 
 
-def _require_like(fresh: tuple[NDArray[Any], ...], state: tuple[NDArray[Any], ...]) -> None:
-    """Raise unless a state has the arrays and shapes of a new one."""
+def _truth_values(episode_start: object) -> NDArray[np.bool_]:
+    """Whether an episode starts, as booleans; numbers are accepted, as in Stable-Baselines3.
+
+    Raises:
+        InvalidValueError: values that are neither booleans nor finite numbers.
+    """
+    if episode_start is None:
+        return _NOWHERE
+    if isinstance(episode_start, np.ndarray) and episode_start.dtype == np.bool_:
+        return episode_start
+    try:
+        values = np.asarray(episode_start)
+    except Exception:  # rows of different lengths, or whatever the value's own methods raise
+        values = np.asarray(None)
+    if values.dtype.kind != "b":
+        values = finite("episode_start", episode_start)
+    return values.astype(np.bool_)
+
+
+def _require_like(fresh: tuple[NDArray[Any], ...], state: Sequence[NDArray[Any]]) -> tuple[NDArray[Any], ...]:
+    """A state, if it has the shapes of a new one and holds finite numbers.
+
+    Raises:
+        ShapeError: another number of arrays, or arrays of another shape.
+        InvalidValueError: something else than arrays of numbers, or huge ones.
+        NonFiniteError: NaN or infinity.
+    """
     if len(state) != len(fresh):
         raise ShapeError("state", (len(state),), f"a tuple of {len(fresh)} arrays")
+    checked = []
     for new, old in zip(fresh, state, strict=True):
-        if np.shape(old) != new.shape:
-            raise ShapeError("state", np.shape(old), f"{new.shape}")
+        like = isinstance(old, np.ndarray) and old.dtype == new.dtype
+        values = old if like else as_numbers("state", old).astype(new.dtype)
+        if values.shape != new.shape:
+            raise ShapeError("state", values.shape, f"{new.shape}")
+        check_finite("state", values, largest=_LARGEST)
+        checked.append(values)
+    return tuple(checked)

@@ -12,7 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, RenderingError, UnknownNameError
+from prp_gym.checks import choice, whole
+from prp_gym.errors import RenderingError
 from prp_gym.physics.scene import CAMERAS
 from prp_gym.robot.arrays import Array
 
@@ -27,6 +28,7 @@ NO_DISPLAY = (
     " unset); use 'rgb_array', or start a virtual display."
 )
 _MOST_GEOMS = 1000
+_MOST_PIXELS = 8192  # along one side of a frame
 _CLOSING_TIMEOUT = 5.0  # [s]
 
 
@@ -114,7 +116,7 @@ class OffscreenRenderer:
     Raises:
         RenderingError: This machine provides no OpenGL context.
         UnknownNameError: There is no such camera.
-        InvalidValueError: The size is not positive.
+        InvalidValueError: The size is not a whole number of pixels, or is out of bounds.
     """
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, camera: str) -> None:
@@ -231,10 +233,8 @@ def check_view(width: int, height: int, camera: str) -> None:
 
     Raises:
         UnknownNameError: There is no such camera.
-        InvalidValueError: The size is not positive.
+        InvalidValueError: The size is not a whole number of pixels, or is out of bounds.
     """
-    if camera not in CAMERAS:
-        raise UnknownNameError("camera", camera, CAMERAS)
+    choice("camera", camera, CAMERAS)
     for what, value in (("width", width), ("height", height)):
-        if value < 1:
-            raise InvalidValueError(what, value, "at least 1", "pixels")
+        whole(what, value, 1, _MOST_PIXELS, "pixels")

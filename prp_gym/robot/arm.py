@@ -5,7 +5,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, as_vectors, matrix_like, multiply, pseudoinverse_transposed
+from prp_gym.robot.arrays import (
+    Array,
+    apply,
+    as_vectors,
+    broadcast,
+    matrix_like,
+    multiply,
+    pseudoinverse_transposed,
+)
 from prp_gym.robot.dynamics import Dynamics
 from prp_gym.robot.newton_euler import recursive_newton_euler
 
@@ -57,7 +65,7 @@ class PRPArm(Dynamics):
 
         Source: [S] 7.5.2.
         """
-        q, velocity, acceleration, force = np.broadcast_arrays(
+        q, velocity, acceleration, force = broadcast(
             as_vectors(joint_position, "joint_position"),
             as_vectors(joint_velocity, "joint_velocity"),
             as_vectors(joint_acceleration, "joint_acceleration"),
@@ -115,7 +123,7 @@ class PRPArm(Dynamics):
 
         Source: [S] 7.2.2, 8.5.4.
         """
-        q, w, r, a = np.broadcast_arrays(
+        q, w, r, a = broadcast(
             as_vectors(joint_position, "joint_position"),
             as_vectors(joint_velocity, "joint_velocity"),
             as_vectors(reference_velocity, "reference_velocity"),

@@ -1,7 +1,7 @@
 """Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions.
 
-Sums over components are written out in their order: their rounding depends neither on the CPU nor on a library
-for linear algebra, nor on the memory layout, nor on the number of rows.
+Sums over components are written out in their order: their rounding depends neither on the CPU nor on a library for
+linear algebra, nor on the memory layout, nor on the number of rows.
 """
 
 import math
@@ -10,28 +10,61 @@ from operator import add, mul
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from prp_gym.errors import ShapeError
+from prp_gym.checks import Array, as_numbers, check_finite
+from prp_gym.errors import InvalidValueError, ShapeError
 
-Array = NDArray[np.float64]
+__all__ = [
+    "Array",
+    "apply",
+    "apply_transposed",
+    "as_vectors",
+    "broadcast",
+    "dot",
+    "matrix_like",
+    "multiply",
+    "norm",
+    "pseudoinverse_transposed",
+    "solve_least_squares",
+    "solve_symmetric",
+    "total",
+]
 
 _FEW = 24
 """Up to so many components are faster as numbers than as arrays; the operations are the same."""
 
+_INVERTIBLE = "one that can be inverted"
 _LOWER = ((0, 0), (1, 0), (2, 0), (1, 1), (2, 1), (2, 2))
 
 
 def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
-    """`values` as a float64 array whose last axis has `size` components.
+    """`values` as a float64 array whose last axis has `size` finite components.
 
     Raises:
         ShapeError: the last axis has another size.
+        InvalidValueError: values that are not numbers, or are so large that products of them overflow.
+        NonFiniteError: NaN or infinity.
     """
-    array = np.asarray(values, dtype=np.float64)
+    given = isinstance(values, np.ndarray) and values.dtype == np.float64
+    array: Array = values if given else as_numbers(what, values)  # type: ignore[assignment]
     if array.ndim == 0 or array.shape[-1] != size:
         raise ShapeError(what, array.shape, f"(..., {size})")
+    check_finite(what, array)
     return array
+
+
+def broadcast(*arrays: Array) -> tuple[Array, ...]:
+    """The arrays with common leading dimensions.
+
+    Raises:
+        InvalidValueError: arrays without common leading dimensions.
+    """
+    try:
+        return tuple(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = ", ".join(str(array.shape) for array in arrays)
+        raise InvalidValueError("leading dimensions", shapes, "dimensions that broadcast") from None
 
 
 def matrix_like(reference: Array, rows: int, columns: int) -> Array:
@@ -96,9 +129,16 @@ def solve_symmetric(matrix: Array, vector: Array) -> Array:
     Args:
         matrix: A (..., 3, 3); its lower triangle is read.
         vector: b (..., 3).
+
+    Raises:
+        InvalidValueError: a matrix that is singular.
     """
     lower = (matrix[..., i, j] for i, j in _LOWER)
-    return np.stack(_solve_components(*lower, *(vector[..., i] for i in range(3))), axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        solution = np.stack(_solve_components(*lower, *(vector[..., i] for i in range(3))), axis=-1)
+    if not np.isfinite(solution).all():
+        raise InvalidValueError("matrix", matrix, _INVERTIBLE)
+    return solution
 
 
 def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> Array:
@@ -109,11 +149,17 @@ def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> A
         vector: b (..., m).
         damping: λ, in the units of A's singular values.
 
+    Raises:
+        InvalidValueError: a matrix without full column rank, and no damping.
+
     Source: [S] 3.5.
     """
     if _is_single(matrix, vector):
         (rows,), (right,) = matrix.tolist(), vector.tolist()
-        return np.array([_solve_components(*_normal_numbers(rows, right, damping * damping))])
+        try:
+            return np.array([_solve_components(*_normal_numbers(rows, right, damping * damping))])
+        except ZeroDivisionError:
+            raise InvalidValueError("matrix", matrix, _INVERTIBLE) from None
     right = vector[..., None]
     normal = matrix[..., 0, :, None] * matrix[..., 0, None, :]
     projected = matrix[..., 0, :] * right[..., 0, :]

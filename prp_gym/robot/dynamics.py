@@ -10,7 +10,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, apply_transposed, as_vectors, dot, matrix_like, solve_symmetric
+from prp_gym.robot.arrays import (
+    Array,
+    apply,
+    apply_transposed,
+    as_vectors,
+    broadcast,
+    dot,
+    matrix_like,
+    solve_symmetric,
+)
 from prp_gym.robot.motion import MotionConversion
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
@@ -245,5 +254,5 @@ class Dynamics(MotionConversion):
         q = as_vectors(joint_position, "joint_position")
         velocity = as_vectors(joint_velocity, "joint_velocity")
         if q.shape != velocity.shape:
-            q, velocity = np.broadcast_arrays(q, velocity)
+            q, velocity = broadcast(q, velocity)
         return q, velocity

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from prp_gym.errors import NonFiniteError, UnreachableError
-from prp_gym.robot.arrays import Array, as_vectors, norm, total
+from prp_gym.errors import UnreachableError
+from prp_gym.robot.arrays import Array, as_vectors, broadcast, norm, total
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import JOINT_UNITS
 
@@ -59,8 +59,6 @@ class InverseKinematics(Kinematics):
             NonFiniteError: NaN or infinity in the point.
         """
         point = as_vectors(tip_position, "tip_position")
-        if not np.isfinite(point).all():
-            raise NonFiniteError("tip_position", point.tolist())
         low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
         joints = self._turned_into_range(branches(self, point))
         inside = (joints >= low - _TOLERANCE) & (joints <= high + _TOLERANCE)
@@ -87,9 +85,7 @@ class InverseKinematics(Kinematics):
         """
         point = as_vectors(tip_position, "tip_position")
         start = as_vectors(seed, "seed")
-        if not np.isfinite(start).all():
-            raise NonFiniteError("seed", start.tolist())
-        point = np.broadcast_to(point, np.broadcast_shapes(point.shape, start.shape))
+        point, start = broadcast(point, start)
         joints, valid = self.inverse_kinematics_branches(point)
         joints = self._turned_towards(joints, start)
         reachable = valid.any(axis=-1)

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, as_vectors, matrix_like, multiply
+from prp_gym.errors import InvalidValueError
+from prp_gym.robot.arrays import Array, as_vectors, broadcast, matrix_like, multiply
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
@@ -27,10 +28,15 @@ class Kinematics:
     Args:
         parameters: Parameters of the arm; only their geometry is read.
 
+    Raises:
+        InvalidValueError: parameters of another kind.
+
     Source: [S] 2.8, 3.1, 3.6; [R] 1.
     """
 
     def __init__(self, parameters: RobotParameters = NOMINAL) -> None:
+        if not isinstance(parameters, RobotParameters):
+            raise InvalidValueError("parameters", parameters, "a RobotParameters")
         self.parameters = parameters
 
     def __eq__(self, other: object) -> bool:
@@ -201,7 +207,7 @@ class Kinematics:
         """
         q = as_vectors(joint_position, "joint_position")
         velocity = as_vectors(joint_velocity, "joint_velocity")
-        q, velocity = np.broadcast_arrays(q, velocity)
+        q, velocity = broadcast(q, velocity)
         a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
         s_1, c_1, s_3, c_3, reach = self._trigonometry(q)
         w_1, v_2, w_3 = velocity[..., 0], velocity[..., 1], velocity[..., 2]

@@ -3,15 +3,19 @@
 I q̈ + F q̇ + G sin q = τ, with q = 0 where the link hangs down.
 """
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from prp_gym.checks import components, within
 from prp_gym.errors import InvalidValueError
-from prp_gym.robot.arrays import Array, as_vectors, matrix_like
+from prp_gym.robot.arrays import Array, as_vectors, broadcast, matrix_like
+
+_INERTIAS = (1e-15, 1e15)  # [kg m^2]
+_MOMENTS = (0.0, 1e12)
+_TORQUES = (1e-9, 1e12)  # [N m]
 
 
 @dataclass(frozen=True)
@@ -25,8 +29,8 @@ class LinkParameters:
         torque_limit: Actuator limit (1) [N m].
 
     Raises:
-        InvalidValueError: an inertia or torque limit that is not positive, negative friction or gravity
-            moment, a value that is not finite.
+        InvalidValueError: a value that is not a number or is out of bounds.
+        ShapeError: several numbers in place of one.
 
     Source: [R] 8.1, except the torque limit, which is this suite's own.
     """
@@ -37,22 +41,14 @@ class LinkParameters:
     torque_limit: tuple[float] = (30.0,)
 
     def __post_init__(self) -> None:
-        if len(self.torque_limit) != 1:
-            raise InvalidValueError("torque_limit", self.torque_limit, "one number", "N·m")
-        _require_positive("inertia", self.inertia, "kg·m²")
-        _require_positive("torque_limit", self.torque_limit[0], "N·m")
-        for name, unit in (("viscous_friction", "N·m·s/rad"), ("gravity_moment", "N·m")):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InvalidValueError(name, value, "at least 0 and finite", unit)
-        for name in ("inertia", "viscous_friction", "gravity_moment"):
-            object.__setattr__(self, name, float(getattr(self, name)))
-        object.__setattr__(self, "torque_limit", (float(self.torque_limit[0]),))
-
-
-def _require_positive(name: str, value: float, unit: str) -> None:
-    if not (math.isfinite(value) and value > 0.0):
-        raise InvalidValueError(name, value, "above 0 and finite", unit)
+        for name, bounds, unit in (
+            ("inertia", _INERTIAS, "kg·m²"),
+            ("viscous_friction", _MOMENTS, "N·m·s/rad"),
+            ("gravity_moment", _MOMENTS, "N·m"),
+        ):
+            object.__setattr__(self, name, within(name, getattr(self, name), bounds, unit))
+        limit = components("torque_limit", self.torque_limit, 1, _TORQUES, "N·m")
+        object.__setattr__(self, "torque_limit", limit)
 
 
 NOMINAL_LINK = LinkParameters()
@@ -68,11 +64,18 @@ class Link:
         parameters: Parameters of the link; the report's by default.
         joint_count: Number of joints, 1.
 
+    Raises:
+        InvalidValueError: parameters of another kind.
+
     Source: [R] 8.1.
     """
 
     parameters: LinkParameters = NOMINAL_LINK
     joint_count: ClassVar[int] = 1
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.parameters, LinkParameters):
+            raise InvalidValueError("parameters", self.parameters, "a LinkParameters")
 
     def inertia_matrix(self, joint_position: ArrayLike) -> Array:
         """B = I, which does not depend on the position.
@@ -226,7 +229,7 @@ class Link:
 
         Source: [S] 8.5.4; [R] 8.1, which uses measured instead of reference values.
         """
-        q, _, velocity, acceleration = np.broadcast_arrays(
+        q, _, velocity, acceleration = broadcast(
             as_vectors(joint_position, "joint_position", 1),
             as_vectors(joint_velocity, "joint_velocity", 1),
             as_vectors(reference_velocity, "reference_velocity", 1),
@@ -240,7 +243,7 @@ class Link:
         return np.array([own.inertia, own.viscous_friction, own.gravity_moment])
 
     def _state(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> tuple[Array, Array]:
-        q, velocity = np.broadcast_arrays(
+        q, velocity = broadcast(
             as_vectors(joint_position, "joint_position", 1), as_vectors(joint_velocity, "joint_velocity", 1)
         )
         return q, velocity

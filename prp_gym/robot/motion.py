@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, as_vectors, solve_least_squares
+from prp_gym.robot.arrays import Array, apply, as_vectors, broadcast, solve_least_squares
 from prp_gym.robot.inverse_kinematics import InverseKinematics
 
 
@@ -31,7 +31,7 @@ class MotionConversion(InverseKinematics):
 
         Source: [S] 3.6, 3.8.
         """
-        q, velocity, acceleration = np.broadcast_arrays(
+        q, velocity, acceleration = broadcast(
             as_vectors(joint_position, "joint_position"),
             as_vectors(joint_velocity, "joint_velocity"),
             as_vectors(joint_acceleration, "joint_acceleration"),
@@ -84,7 +84,7 @@ class MotionConversion(InverseKinematics):
 
         Source: [S] 3.7.
         """
-        pose, velocity, acceleration = np.broadcast_arrays(
+        pose, velocity, acceleration = broadcast(
             as_vectors(pose, "pose", 6),
             as_vectors(velocity, "velocity", 6),
             as_vectors(acceleration, "acceleration", 6),

@@ -3,11 +3,24 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Self
+from typing import Self, cast
 
+import numpy as np
+
+from prp_gym.checks import components, within
 from prp_gym.errors import InvalidValueError
 
 Vector3 = tuple[float, float, float]
+
+LENGTHS = (1e-6, 1e3)  # [m]
+MASSES = (1e-15, 1e9)  # [kg]
+INERTIAS = (1e-30, 1e15)  # [kg m^2]
+_FRICTIONS = (0.0, 1e9)
+_TORQUES = (1e-9, 1e12)
+_GRAVITIES = (0.0, 1e6)  # [m/s^2]
+_JOINTS = (-1e6, 1e6)
+_DENSITIES = (1e-6, 1e9)  # [kg/m^3]
+_FACTORS = (1e-9, 1e9)
 
 JOINT_UNITS = ("rad", "m", "rad")
 TORQUE_UNITS = ("N·m", "N", "N·m")
@@ -47,9 +60,7 @@ class ArmGeometry:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            object.__setattr__(self, name, float(value))
-            if not (math.isfinite(value) and value > 0.0):
-                raise InvalidValueError(name, value, "a positive length", "m")
+            object.__setattr__(self, name, within(name, value, LENGTHS, "m"))
 
     @property
     def second_link_center_of_mass(self) -> float:
@@ -97,12 +108,12 @@ def _cylinder(mass: float, radius: float, length: float) -> tuple[float, float]:
 
 ALUMINIUM_DENSITY = 2710.0
 _VECTORS = (
-    "link_mass",
-    "viscous_friction",
-    "coulomb_friction",
-    "joint_lower",
-    "joint_upper",
-    "torque_limit",
+    ("link_mass", MASSES, "kg"),
+    ("viscous_friction", _FRICTIONS, "N·m·s/rad, N·s/m"),
+    ("coulomb_friction", _FRICTIONS, "N·m, N"),
+    ("joint_lower", _JOINTS, ", ".join(JOINT_UNITS)),
+    ("joint_upper", _JOINTS, ", ".join(JOINT_UNITS)),
+    ("torque_limit", _TORQUES, ", ".join(TORQUE_UNITS)),
 )
 _GEOMETRY = ArmGeometry()
 _MASS: Vector3 = (
@@ -132,8 +143,8 @@ class RobotParameters:
         torque_limit: Actuator limits (3) [N m, N, N m].
 
     Raises:
-        InvalidValueError: a mass or inertia that is not positive, inertias that no solid can have, negative
-            friction, or an empty joint range.
+        InvalidValueError: a value that is not a number or is out of bounds, inertias that no solid can have,
+            or an empty joint range.
     """
 
     geometry: ArmGeometry = field(default_factory=ArmGeometry)
@@ -147,52 +158,40 @@ class RobotParameters:
     torque_limit: Vector3 = (50.0, 100.0, 10.0)
 
     def __post_init__(self) -> None:
-        for name, unit in (("link_mass", "kg"), ("torque_limit", "/".join(TORQUE_UNITS))):
-            _require(name, getattr(self, name), unit, minimum=0.0, strict=True)
-        _require("viscous_friction", self.viscous_friction, "N·m·s/rad, N·s/m", minimum=0.0, strict=False)
-        _require("coulomb_friction", self.coulomb_friction, "N·m, N", minimum=0.0, strict=False)
-        if len(self.link_inertia) != 3:
-            raise InvalidValueError(
-                "link_inertia", self.link_inertia, "three moments for each of three links"
-            )
-        for index, moments in enumerate(self.link_inertia, start=1):
-            _require(f"link_inertia of link {index}", moments, "kg·m²", minimum=0.0, strict=True)
-            if 2 * max(moments) > sum(moments) * (1 + 1e-12):
-                raise InvalidValueError(
-                    f"link_inertia of link {index}", moments, "no moment above the sum of the others", "kg·m²"
-                )
-        if not (math.isfinite(self.gravity) and self.gravity >= 0.0):
-            raise InvalidValueError("gravity", self.gravity, "at least 0 and finite", "m/s²")
-        for name in ("joint_lower", "joint_upper"):
-            if len(getattr(self, name)) != 3:
-                raise InvalidValueError(name, getattr(self, name), "three numbers", "rad, m, rad")
+        if not isinstance(self.geometry, ArmGeometry):
+            raise InvalidValueError("geometry", self.geometry, "an ArmGeometry")
+        object.__setattr__(self, "gravity", within("gravity", self.gravity, _GRAVITIES, "m/s²"))
+        for name, bounds, unit in _VECTORS:
+            object.__setattr__(self, name, components(name, getattr(self, name), 3, bounds, unit))
+        object.__setattr__(self, "link_inertia", _checked_inertia(self.link_inertia))
         if not all(low < high for low, high in zip(self.joint_lower, self.joint_upper, strict=True)):
             raise InvalidValueError("joint_upper", self.joint_upper, f"above joint_lower {self.joint_lower}")
-        self._make_plain()
-
-    def _make_plain(self) -> None:
-        """Convert all values to Python floats, so that they print as numbers and compare with `==`."""
-        object.__setattr__(self, "gravity", float(self.gravity))
-        object.__setattr__(self, "link_inertia", tuple(tuple(map(float, row)) for row in self.link_inertia))
-        for name in _VECTORS:
-            object.__setattr__(self, name, tuple(map(float, getattr(self, name))))
 
     @classmethod
     def from_geometry(cls, geometry: ArmGeometry, density: float = ALUMINIUM_DENSITY) -> Self:
-        """Parameters of solid links with the given lengths and density [kg/m^3]."""
-        first, second, third = (density * volume for volume in geometry.volumes())
+        """Parameters of solid links with the given lengths and density [kg/m^3].
+
+        Raises:
+            InvalidValueError: a value that is not a geometry, or a density that is out of bounds.
+        """
+        if not isinstance(geometry, ArmGeometry):
+            raise InvalidValueError("geometry", geometry, "an ArmGeometry")
+        dense = within("density", density, _DENSITIES, "kg/m³")
+        first, second, third = (dense * volume for volume in geometry.volumes())
         masses = (first, second, third)
         return cls(geometry=geometry, link_mass=masses, link_inertia=geometry.inertias(masses))
 
     def with_masses(self, masses: Sequence[float]) -> Self:
         """The same arm with other link masses (3) [kg]; the inertias scale with the masses."""
-        _require("masses", masses, "kg", minimum=0.0, strict=True)
-        return self.scaled([new / old for new, old in zip(masses, self.link_mass, strict=True)])
+        given = components("masses", masses, 3, MASSES, "kg")
+        return self._scaled([new / old for new, old in zip(given, self.link_mass, strict=True)])
 
     def scaled(self, factors: Sequence[float]) -> Self:
         """Masses and inertias multiplied by a factor per link (3), as for a link of another density."""
-        _require("mass factors", factors, "", minimum=0.0, strict=True)
-        f1, f2, f3 = (float(factor) for factor in factors)
+        return self._scaled(components("mass factors", factors, 3, _FACTORS, ""))
+
+    def _scaled(self, factors: Sequence[float]) -> Self:
+        f1, f2, f3 = factors
         m1, m2, m3 = self.link_mass
         i1, i2, i3 = self.link_inertia
         return replace(
@@ -206,13 +205,22 @@ class RobotParameters:
         )
 
 
-def _require(name: str, values: Sequence[float], unit: str, *, minimum: float, strict: bool) -> None:
-    if len(values) != 3:
-        raise InvalidValueError(name, tuple(values), "three numbers", unit)
-    for value in values:
-        if not math.isfinite(value) or value < minimum or (strict and value == minimum):
-            allowed = f"{'above' if strict else 'at least'} {minimum:g}"
-            raise InvalidValueError(name, tuple(values), allowed, unit)
+def _checked_inertia(inertia: object) -> tuple[Vector3, Vector3, Vector3]:
+    """Moments of inertia of three links, as plain numbers.
+
+    Raises:
+        InvalidValueError: other than three moments for each of three links, or moments that no solid has.
+    """
+    if not isinstance(inertia, Sequence | np.ndarray) or len(inertia) != 3:
+        raise InvalidValueError("link_inertia", inertia, "three moments for each of three links", "kg·m²")
+    rows = []
+    for index, given in enumerate(inertia, start=1):
+        moments = components(f"link_inertia of link {index}", given, 3, INERTIAS, "kg·m²")
+        if 2 * max(moments) > sum(moments) * (1 + 1e-12):
+            allowed = "no moment above the sum of the others"
+            raise InvalidValueError(f"link_inertia of link {index}", moments, allowed, "kg·m²")
+        rows.append(moments)
+    return cast(tuple[Vector3, Vector3, Vector3], tuple(rows))
 
 
 def _report_parameters() -> RobotParameters:

@@ -9,8 +9,12 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
-from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
-from prp_gym.robot.arrays import Array
+from prp_gym.checks import Array, as_numbers, check_finite, choice
+from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
+
+LARGEST_OBSERVATION = 1e12
+"""Largest magnitude that a policy accepts, in the units of the fields; all declared bounds are far below."""
+
 
 POSITION_BOUND = (100.0, 2.0, 100.0)
 SPEED_BOUND = (500.0, 100.0, 500.0)
@@ -102,10 +106,7 @@ class ObservationLayout:
         Raises:
             UnknownNameError: a field that does not exist.
         """
-        try:
-            return self.slices[name]
-        except KeyError:
-            raise UnknownNameError("observation field", name, self.slices) from None
+        return self.slices[choice("observation field", name, self.slices)]
 
     def split(self, observation: ArrayLike) -> dict[str, Array]:
         """Split a flat observation into named fields.
@@ -118,13 +119,41 @@ class ObservationLayout:
 
         Raises:
             ShapeError: a last axis of another size.
+            InvalidValueError: values that are not numbers.
         """
-        flat = np.asarray(observation, dtype=np.float64)
-        if flat.ndim == 0 or flat.shape[-1] != self.size:
-            raise ShapeError("observation", flat.shape, f"(..., {self.size})")
+        flat = self._flat(observation)
         return {name: flat[..., part] for name, part in self.slices.items()}
 
-    def space(self) -> "Box[np.float64]":
+    def checked(self, observation: object) -> Array:
+        """Observations as policies accept them: finite numbers of the layout's size.
+
+        Args:
+            observation: Observations (..., size), as the user gives them.
+
+        Returns:
+            The same (..., size), float64.
+
+        Raises:
+            InvalidValueError: values that are not numbers, or are larger than any observation.
+            ShapeError: a last axis of another size.
+            NonFiniteError: NaN or infinity, with the field.
+        """
+        flat = self._flat(observation)
+        try:
+            check_finite("observation", flat, largest=LARGEST_OBSERVATION)
+        except (InvalidValueError, NonFiniteError):
+            for name, part in self.slices.items():
+                check_finite(f"observation field {name!r}", flat[..., part], largest=LARGEST_OBSERVATION)
+        return flat
+
+    def _flat(self, observation: object) -> Array:
+        given = isinstance(observation, np.ndarray) and observation.dtype == np.float64
+        flat: Array = observation if given else as_numbers("observation", observation)  # type: ignore[assignment]
+        if flat.ndim == 0 or flat.shape[-1] != self.size:
+            raise ShapeError("observation", flat.shape, f"(..., {self.size})")
+        return flat
+
+    def space(self) -> Box[np.float64]:
         """The observation space of one environment, float64."""
         low = np.array([value for field in self.fields for value in field.low])
         high = np.array([value for field in self.fields for value in field.high])

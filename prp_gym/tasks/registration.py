@@ -6,6 +6,7 @@ from pathlib import Path
 
 import gymnasium
 
+from prp_gym.checks import instance
 from prp_gym.tasks.spec import TASKS, TaskSpec
 
 _ENTRY_POINT = "prp_gym.envs.environment:PRPEnv"
@@ -24,7 +25,7 @@ def register_task(spec: TaskSpec) -> TaskSpec:
     Raises:
         InvalidValueError: an id that is taken or not allowed as a name, or a revision below 1.
     """
-    TASKS.register(spec)
+    TASKS.register(instance("task", spec, TaskSpec))
     _register_id(spec.id)
     return spec
 

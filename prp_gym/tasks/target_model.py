@@ -66,7 +66,8 @@ class TargetModel:
                 raise InvalidValueError(f"target {name}", getattr(self, name).tolist(), "at least 0")
         if not self.period > 0.0:
             raise InvalidValueError("period", self.period, "above 0", "s")
-        transition = self._discretise()
+        with np.errstate(over="ignore", invalid="ignore"):
+            transition = self._discretise()
         if not np.isfinite(transition).all():
             axes = (self.inertia.tolist(), self.damping.tolist(), self.stiffness.tolist())
             raise InvalidValueError("target model", axes, "numbers whose motion over a period is finite")

@@ -65,7 +65,7 @@ def test_vector_is_a_copy_that_cannot_be_written() -> None:
         settings.gain = 1.0  # type: ignore[misc]
 
 
-@pytest.mark.parametrize("value", [-1.0, [1, 2, -1e-9], float("nan"), [1, float("inf"), 1], [[1.0]], None])
+@pytest.mark.parametrize("value", [-1.0, [1, 2, -1e-9], float("nan"), [1, float("inf"), 1], [[1.0]], 1e308])
 def test_vector_that_is_negative_or_not_finite_is_refused(value: Any) -> None:
     with pytest.raises(InvalidValueError, match=r"gain is .* N·m; allowed: finite and at least 0") as caught:
         Numbers(value)
@@ -74,15 +74,20 @@ def test_vector_that_is_negative_or_not_finite_is_refused(value: Any) -> None:
 
 @pytest.mark.parametrize("value", ["fast", ["a", "b", "c"], [[1.0], [1.0, 2.0]]])
 def test_vector_of_something_else_is_refused(value: Any) -> None:
-    with pytest.raises(InvalidValueError, match="allowed: one number or several"):
+    with pytest.raises(InvalidValueError, match="allowed: a number or numbers"):
         Numbers(value)
 
 
-@pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf"), "1", None, [1.0], True])
+@pytest.mark.parametrize("value", [-1.0, float("nan"), float("inf"), "1", None, True, 1j, 1e308])
 def test_number_that_is_none_negative_or_not_finite_is_refused(value: Any) -> None:
     with pytest.raises(InvalidValueError, match="share is") as caught:
         Numbers(1.0, share=value)
     assert caught.value.unit == "s"
+
+
+def test_several_numbers_for_one_are_refused() -> None:
+    with pytest.raises(ShapeError, match="share has shape"):
+        Numbers(1.0, share=[1.0])
 
 
 def test_number_becomes_a_float() -> None:

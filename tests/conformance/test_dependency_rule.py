@@ -20,7 +20,7 @@ PACKAGES = {
 """Folder in the repository, and the name under which it is imported."""
 
 CORE_PACKAGES = (
-    *("errors", "registry", "artifacts", "plugins", "processes"),
+    *("errors", "checks", "registry", "artifacts", "plugins", "processes"),
     *("robot", "physics", "tasks", "evaluation"),
 )
 """They import each other alone."""

@@ -1,9 +1,12 @@
 """Every error is of one root, keeps its facts as attributes and says them in its message."""
 
 import pickle
+import sys
+import time
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -29,6 +32,7 @@ from prp_gym.errors import (
     UnknownNameError,
     UnreachableError,
     UserCodeError,
+    shortened,
 )
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
@@ -55,6 +59,39 @@ WITH_FACTS = [
 ]
 WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")]
 EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
+
+
+class WithoutText:
+    def __repr__(self) -> str:
+        raise RuntimeError("no text")
+
+
+def nested(depth: int) -> list[object]:
+    value: list[object] = []
+    for _ in range(depth):
+        value = [value]
+    return value
+
+
+ENDLESS: list[object] = []
+ENDLESS.append(ENDLESS)
+HUGE: dict[str, object] = {
+    "text": "x" * 10**6,
+    "text of numpy": np.str_("y" * 10**6),
+    "bytes": b"z" * 10**6,
+    "integer": 10 ** (sys.get_int_max_str_digits() + 1),
+    "integers in a list": [10**6000] * 1000,
+    "list": list(range(10**6)),
+    "dictionary": dict.fromkeys(range(10**6)),
+    "set": set(range(10**6)),
+    "array": np.zeros(10**6),
+    "array of many dimensions": np.zeros((3,) * 12),  # numpy itself would write out all of its corners
+    "array of objects": np.array([WithoutText(), 10**6000], dtype=object),
+    "no text": WithoutText(),
+    "no text in a list": [[WithoutText()]],
+    "list that holds itself": ENDLESS,
+    "deep list": nested(10**4),
+}
 
 
 def class_name(error: object) -> str:
@@ -112,6 +149,30 @@ def test_unknown_name_far_from_all_gets_no_suggestion() -> None:
 @pytest.mark.parametrize("name", [None, 3, ("a", "b")])
 def test_unknown_name_may_be_anything(name: object) -> None:
     assert repr(name) in str(UnknownNameError("controller", name, CONTROLLERS))
+
+
+@pytest.mark.parametrize("value", HUGE.values(), ids=HUGE)
+def test_message_about_any_value_is_short_and_quick(value: object) -> None:
+    before = time.perf_counter()
+    for error in (
+        UnknownNameError("controller", value, CONTROLLERS),
+        InvalidValueError("duration", value, "above 0", "s"),
+        NonFiniteError("action", value),
+        ShapeError("action", (3,) * 10**4, "(3,)"),
+    ):
+        assert len(str(error)) < 250
+    assert time.perf_counter() - before < 1.0  # each takes some microseconds; the complete text, seconds
+
+
+@pytest.mark.parametrize("value", [None, True, 0.1, -7, "fast", [1.0, float("nan")], (0.0, 1.0), {"a": [1]}])
+def test_short_values_are_shown_as_they_are(value: object) -> None:
+    assert shortened(value) == repr(value)
+
+
+@pytest.mark.parametrize("width", [10, 40, 80])
+def test_shortened_text_keeps_the_width(width: int) -> None:
+    for value in HUGE.values():
+        assert len(shortened(value, width)) <= width
 
 
 def test_unknown_name_says_when_nothing_is_valid() -> None:

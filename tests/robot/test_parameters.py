@@ -138,7 +138,7 @@ def test_parameters_are_values_that_cannot_be_changed() -> None:
 @pytest.mark.parametrize("name", [item.name for item in dataclasses.fields(ArmGeometry)])
 def test_length_that_is_not_positive_and_finite_is_refused(name: str, length: float) -> None:
     lengths: dict[str, Any] = {name: length}
-    with pytest.raises(InvalidValueError, match=f"{name} is .* m; allowed: a positive length") as caught:
+    with pytest.raises(InvalidValueError, match=f"{name} is .* m; allowed: 1e-06 to 1000") as caught:
         ArmGeometry(**lengths)
     assert caught.value.what == name
     assert caught.value.unit == "m"
@@ -160,7 +160,7 @@ def test_negative_or_non_finite_number_is_refused(name: str, joint: int, bad: fl
 @pytest.mark.parametrize("name", ["link_mass", "torque_limit"])
 def test_zero_mass_or_torque_limit_is_refused(name: str) -> None:
     arguments: dict[str, Any] = {name: (1.0, 0.0, 1.0)}
-    with pytest.raises(InvalidValueError, match="above 0"):
+    with pytest.raises(InvalidValueError, match=r"1e-15 to|1e-09 to"):
         RobotParameters(**arguments)
 
 
@@ -203,7 +203,7 @@ def test_inertia_that_is_not_positive_is_refused(moment: float) -> None:
         RobotParameters(link_inertia=((1.0, 1.0, 1.0), (moment, 1.0, 1.0), (1.0, 1.0, 1.0)))
 
 
-@pytest.mark.parametrize("upper", [-0.3, -0.4, NAN])
+@pytest.mark.parametrize("upper", [-0.3, -0.4])
 def test_empty_joint_range_is_refused(upper: float) -> None:
     with pytest.raises(InvalidValueError, match=r"joint_upper .* allowed: above joint_lower") as caught:
         RobotParameters(joint_upper=(math.pi, upper, math.pi))
@@ -212,12 +212,12 @@ def test_empty_joint_range_is_refused(upper: float) -> None:
 
 @pytest.mark.parametrize("gravity", [NAN, INFINITY, -9.81])
 def test_gravity_that_is_negative_or_not_finite_is_refused(gravity: float) -> None:
-    with pytest.raises(InvalidValueError, match=r"gravity is .* m/s²; allowed: at least 0 and finite"):
+    with pytest.raises(InvalidValueError, match=r"gravity is .* m/s²; allowed: 0 to 1e\+06"):
         RobotParameters(gravity=gravity)
 
 
 def test_negative_density_is_refused() -> None:
-    with pytest.raises(InvalidValueError, match="link_mass"):
+    with pytest.raises(InvalidValueError, match="density"):
         RobotParameters.from_geometry(ArmGeometry(), density=-1.0)
 
 

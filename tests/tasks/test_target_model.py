@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.tasks.target_model import Displacement, TargetModel
 
 Array = NDArray[np.float64]
@@ -149,10 +149,15 @@ def test_axes_of_one_model_do_not_touch_each_other() -> None:
 
 @pytest.mark.parametrize("name", ["damping", "stiffness"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_model_whose_motion_is_not_finite_is_refused(name: str, value: float) -> None:
+def test_model_with_a_number_that_is_not_finite_is_refused(name: str, value: float) -> None:
     numbers = {"inertia": M, "damping": K_D, "stiffness": K_P} | {name: np.array([*np.ones(5), value])}
-    with pytest.raises(InvalidValueError, match=r"target model is .* whose motion over a period is finite"):
+    with pytest.raises(NonFiniteError, match=f"target {name} is"):
         TargetModel(**numbers, period=0.002)
+
+
+def test_model_whose_motion_is_not_finite_is_refused() -> None:
+    with pytest.raises(InvalidValueError, match=r"target model is .* whose motion over a period is finite"):
+        TargetModel(inertia=np.full(6, 1e-300), damping=np.ones(6), stiffness=np.full(6, 1e29), period=0.002)
 
 
 @pytest.mark.parametrize("inertia", [np.zeros(6), np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0])])

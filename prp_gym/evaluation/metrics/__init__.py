@@ -12,6 +12,7 @@ episode that has the fields and cost terms which it requires. Its values are fin
 An episode without contact has peak force, contact losses, force overshoot and injected energy 0.
 """
 
+from prp_gym.checks import instance
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.registry import Registry
@@ -33,7 +34,7 @@ def register_metric(metric: Metric) -> Metric:
     Raises:
         InvalidValueError: a name that another metric has, or that cannot be a name; a revision below 1.
     """
-    return METRICS.register(metric)
+    return METRICS.register(instance("metric", metric, Metric))
 
 
 def episode_metrics(rollout: Rollout) -> dict[str, Array]:

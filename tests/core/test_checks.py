@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from prp_gym.envs.checks import as_numbers, shaped, within
+from prp_gym.checks import as_numbers, shaped, within
 from prp_gym.errors import InvalidValueError, ShapeError
 
 NAN, INFINITY = float("nan"), float("inf")
