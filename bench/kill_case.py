@@ -89,7 +89,7 @@ def _outline(content: Any) -> Any:
 CASES: Mapping[str, KillCase] = {
     "evaluate": KillCase(
         (
-            *("evaluate", "--env", _ENVIRONMENT, *_CONTROLLERS, "--control-frequency", "100"),
+            *("evaluate", "--env", _ENVIRONMENT, *_CONTROLLERS),
             *("--scenario", "randomized", "--scenario", "realistic", "--episodes", "4", "--jobs", "2"),
         ),
         (),
@@ -97,7 +97,7 @@ CASES: Mapping[str, KillCase] = {
     ),
     "train": KillCase(
         (
-            *("train", _ENVIRONMENT, "--seeds", "2", "--jobs", "2", "--eval-episodes", "1"),
+            *("train", _ENVIRONMENT, "--seeds", "1", "--jobs", "1", "--eval-episodes", "1"),
             *("--eval-every", "128", "--set", "n_timesteps=512", "--set", "n_envs=2"),
             *("--set", "n_steps=64", "--set", "batch_size=64", "--set", "n_epochs=2"),
             *("--set", "env_kwargs={control_frequency: 50, scenario: randomized}"),
@@ -108,7 +108,7 @@ CASES: Mapping[str, KillCase] = {
     ),
     "tune": KillCase(
         (
-            *("tune", "joint_pd", "--env", _ENVIRONMENT, "--budget", "12000", "--episodes", "2"),
+            *("tune", "joint_pd", "--env", _ENVIRONMENT, "--budget", "10000", "--episodes", "2"),
             *("--control-frequency", "100"),
         ),
         ("--resume",),

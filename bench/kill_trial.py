@@ -16,6 +16,7 @@ _LIMIT = 600.0  # s, of a command to its end
 _ORPHANS = 5.0  # s, that workers may outlive a command on a busy machine
 _SHARED_MEMORY = Path("/dev/shm")  # where joblib puts files and semaphores of workers
 _PNG_END = b"IEND\xaeB`\x82"
+_CACHE = "torchinductor_"  # one folder for each user, whatever the command
 _ONE_EACH = "events.out.tfevents"  # TensorBoard's files, of which an interrupted training has several
 
 
@@ -114,9 +115,7 @@ def _names(folder: Path) -> set[str]:
 def _left(folder: Path, ids: list[int]) -> list[str]:
     """Temporary files and shared memory of ended processes."""
     shared = _SHARED_MEMORY.iterdir() if _SHARED_MEMORY.is_dir() else ()
-    own = [
-        path
-        for path in shared
-        if any(f"{sign}{number}{sign}" in path.name for number in ids for sign in "-_")
-    ]
-    return [str(path) for path in (*(folder / "tmp").iterdir(), *own)]
+    marks = [f"{sign}{number}{sign}" for number in ids for sign in "-_"]
+    own = [path for path in shared if any(mark in path.name for mark in marks)]
+    temporary = [path for path in (folder / "tmp").iterdir() if not path.name.startswith(_CACHE)]
+    return [str(path) for path in (*temporary, *own)]

@@ -1,4 +1,4 @@
-"""`make kills`: are commands that were killed at random moments right in the end, and leave nothing behind?"""
+"""`make kills`: commands that are killed at random moments go on to the same end and leave nothing."""
 
 import random
 import signal
@@ -59,6 +59,7 @@ def kill_often(name: str, count: int, seed: int, console: Console) -> KillTally:
         _, wrong = run_to_end((*case.arguments, "--output", OUTPUT), Path(reference))
         seconds = time.monotonic() - start
         if wrong:
+            console.print(f"{name}, uninterrupted: {'; '.join(wrong)}", highlight=False, markup=False)
             return KillTally(name, seconds, (), [wrong])
         for index in range(count):
             number = signal.SIGTERM if rng.random() < _SHARE_OF_TERM else signal.SIGKILL
