@@ -233,10 +233,6 @@ class FolderInUseError(PRPError, RuntimeError):
         )
 
 
-class ForkError(PRPError, RuntimeError):
-    """A simulation that a forked process cannot take over from its parent."""
-
-
 class OutputError(PRPError, RuntimeError):
     """A file or folder that cannot be written."""
 

@@ -45,9 +45,9 @@ class ArmFields(ModelFields):
         self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
         self._calibrate(ids)
         gap = surface.offset - TIP_RADIUS - dot(surface.normal, center)
-        body = self._batch.model.body("surface").id
-        self._batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
-        self._batch.expand("body_quat")[ids, body] = surface.quaternions()
+        body = self.batch.model.body("surface").id
+        self.batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
+        self.batch.expand("body_quat")[ids, body] = surface.quaternions()
 
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
@@ -57,13 +57,13 @@ class ArmFields(ModelFields):
         check_positive("mass_factor", mass_factor, shape)
         check_not_negative("viscous_friction", viscous_friction, shape)
         check_not_negative("coulomb_friction", coulomb_friction, shape)
-        model, rows = self._batch.model, np.asarray(ids)[:, None]
+        model, rows = self.batch.model, np.asarray(ids)[:, None]
         inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
-        self._batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
-        self._batch.expand("body_inertia")[rows, self._links] = inertia
-        self._batch.expand("dof_damping")[ids] = viscous_friction
-        self._batch.expand("dof_frictionloss")[ids] = coulomb_friction
-        self._batch.set_const(ids)
+        self.batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
+        self.batch.expand("body_inertia")[rows, self._links] = inertia
+        self.batch.expand("dof_damping")[ids] = viscous_friction
+        self.batch.expand("dof_frictionloss")[ids] = coulomb_friction
+        self.batch.set_const(ids)
         self._calibrate(ids[~np.isnan(self._springs[ids, 0])])
 
     def _calibrate(self, ids: Ids) -> None:
@@ -72,15 +72,15 @@ class ArmFields(ModelFields):
             return
         weight = self._inverse_weight(ids)
         stiffness, damping = self._springs[ids].T
-        self._batch.expand("pair_solref")[ids, 0] = solver_reference(stiffness, damping, weight)
-        self._batch.expand("pair_solreffriction")[ids, 0] = friction_reference(weight)
+        self.batch.expand("pair_solref")[ids, 0] = solver_reference(stiffness, damping, weight)
+        self.batch.expand("pair_solreffriction")[ids, 0] = friction_reference(weight)
 
     def _inverse_weight(self, ids: Ids) -> Array:
         """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
         tip_body = self._links[-1]
-        own = self._batch.expanded("body_invweight0")
+        own = self.batch.expanded("body_invweight0")
         if own is None:
-            return np.full(len(ids), self._batch.model.body_invweight0[tip_body, 0])
+            return np.full(len(ids), self.batch.model.body_invweight0[tip_body, 0])
         return np.array(own[ids, tip_body, 0])
 
     def copy(self) -> dict[str, Array]:

@@ -10,33 +10,14 @@ from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError
 from prp_gym.physics.clock import stop_clock_once
+from prp_gym.physics.lost_batch import LostBatch, rebuild_after_fork
 from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
+from prp_gym.physics.sensor_layout import NO_COLUMNS, SensorLayout
 from prp_gym.robot.arrays import Array
 
 _BAD_STATE = slice(int(mujoco.mjtWarning.mjWARN_BADQPOS), int(mujoco.mjtWarning.mjWARN_BADQACC) + 1)
 _NO_WARNING = 1000  # initial value of MuJoCo's counters: at a count of 0 it prints a line and writes a file
 _PERSISTENT_UP_TO = 128  # simulations: more of them, with one MjData each, exceed the caches
-
-NO_COLUMNS = slice(0, 0)
-"""Columns of a quantity that a world does not have."""
-
-
-class SensorLayout(NamedTuple):
-    """Layout of a world's sensors, of which joint position and joint velocity are the first.
-
-    Attributes:
-        gain: Gain (k) of the measurement, which is gain·sensors + offset for the first k sensors.
-        offset: Offset (k) of the measurement.
-        tip_position: Columns of the tip position.
-        contact_force: Columns of the contact force, or `NO_COLUMNS` without contact.
-        stop_violation: Columns of the joint stops' violation, or `NO_COLUMNS` without joint stops.
-    """
-
-    gain: Array
-    offset: Array
-    tip_position: slice
-    contact_force: slice
-    stop_violation: slice
 
 
 class PhysicsState(NamedTuple):
@@ -52,7 +33,7 @@ class Simulation(ABC):
 
     The measured quantities are read-only arrays with N rows, which are current after `reset` and `advance`.
     They change with the simulations, so copy values that are to be kept. The same torques give the same
-    bits for any N and any number of threads.
+    bits for any N and any number of threads. A forked process goes on with a copy of the simulations.
 
     Args:
         num_simulations: Number of simulations N, at least 1.
@@ -109,6 +90,8 @@ class Simulation(ABC):
         self._contact_force = self._view_of(layout.contact_force, 3)
         self._stop_violation = self._view_of(layout.stop_violation, self.joint_count)
         self._fields = self._make_fields(self._batch)
+        if self._batch.nthread > 1:
+            rebuild_after_fork(self)
         stages = mujoco.mjtStage
         in_contact = layout.contact_force != NO_COLUMNS
         self._stage = int(stages.mjSTAGE_ACC if in_contact else stages.mjSTAGE_VEL)
@@ -133,6 +116,11 @@ class Simulation(ABC):
         nothing = np.zeros((self.num_simulations, width))
         nothing.flags.writeable = False
         return nothing
+
+    @property
+    def batch(self) -> Any:
+        """MuJoCo's batch of the simulations."""
+        return self._batch
 
     @property
     def timestep(self) -> float:
@@ -285,6 +273,20 @@ class Simulation(ABC):
         data = self._batch.get_data(simulation)
         mujoco.mj_forward(self._batch.get_model(simulation), data)
         return data
+
+    def use_batch(self, batch: Batch | LostBatch) -> None:
+        """Use another batch for all calls; the measured quantities stay those of the former one."""
+        self._batch = self._fields.batch = batch
+
+    def rebuild(self, inherited: Batch) -> Batch:
+        """Build the batch anew, in the state of one that a forked process has without its threads."""
+        fields = self._fields
+        self.use_batch(inherited)
+        state = self.snapshot()
+        self._build()
+        self.restore(state)
+        fields.batch = self._batch  # for a caller that is about to use it
+        return self._batch
 
     def __getstate__(self) -> dict[str, Any]:
         names = (*self._constructor_attributes, "num_simulations", "num_threads", "_watched")

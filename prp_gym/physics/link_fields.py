@@ -31,8 +31,8 @@ class LinkFields(ModelFields):
         check_not_negative("viscous_friction", viscous_friction, shape, "N·m·s/rad")
         check_not_negative("gravity_moment", gravity_moment, shape, "N·m")
         mass, center, moment = mass_distribution(inertia, gravity_moment)
-        self._batch.expand("body_mass")[ids, self._link] = mass
-        self._batch.expand("body_ipos")[ids, self._link] = center
-        self._batch.expand("body_inertia")[ids, self._link] = moment[:, None]
-        self._batch.expand("dof_damping")[ids, 0] = viscous_friction
-        self._batch.set_const(ids)
+        self.batch.expand("body_mass")[ids, self._link] = mass
+        self.batch.expand("body_ipos")[ids, self._link] = center
+        self.batch.expand("body_inertia")[ids, self._link] = moment[:, None]
+        self.batch.expand("dof_damping")[ids, 0] = viscous_friction
+        self.batch.set_const(ids)

@@ -6,11 +6,12 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from prp_gym.physics.batch_simulation import NO_COLUMNS, SensorLayout, Simulation
+from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.link_fields import LinkFields
 from prp_gym.physics.link_mjcf import link_to_mjcf
 from prp_gym.physics.model_fields import Ids
 from prp_gym.physics.scene import check_timestep, compile_mjcf
+from prp_gym.physics.sensor_layout import NO_COLUMNS, SensorLayout
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, LinkParameters
 

@@ -55,7 +55,7 @@ class ModelFields:
     """Model fields that have a value for each simulation; all other fields are shared.
 
     Args:
-        batch: Batch of simulations whose fields these are.
+        batch: Batch of simulations whose fields these are, also as an attribute.
 
     Attributes:
         names: Names of the fields that may differ.
@@ -64,19 +64,19 @@ class ModelFields:
     names: ClassVar[tuple[str, ...]]
 
     def __init__(self, batch: Batch) -> None:
-        self._batch = batch
+        self.batch = batch
 
     def copy(self) -> dict[str, Array]:
         """Values of all fields that differ, by name."""
-        fields = {name: self._batch.expanded(name) for name in self.names}
+        fields = {name: self.batch.expanded(name) for name in self.names}
         return {name: np.array(values) for name, values in fields.items() if values is not None}
 
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore the values that `copy` returned; shared fields get the model's values."""
         for name in self.names:
             if name in kept:
-                self._batch.expand(name)[:] = kept[name]
-            elif self._batch.expanded(name) is not None:
-                self._batch.expand(name)[:] = getattr(self._batch.model, name)
-        if self._batch.expanded("body_mass") is not None:
-            self._batch.set_const()
+                self.batch.expand(name)[:] = kept[name]
+            elif self.batch.expanded(name) is not None:
+                self.batch.expand(name)[:] = getattr(self.batch.model, name)
+        if self.batch.expanded("body_mass") is not None:
+            self.batch.set_const()

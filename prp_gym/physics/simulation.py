@@ -8,9 +8,10 @@ from mujoco.batch import Batch
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.physics.arm_fields import ArmFields
-from prp_gym.physics.batch_simulation import NO_COLUMNS, PhysicsState, SensorLayout, Simulation
+from prp_gym.physics.batch_simulation import PhysicsState, Simulation
 from prp_gym.physics.mjcf import PhysicsSettings, compile_model
 from prp_gym.physics.model_fields import Ids
+from prp_gym.physics.sensor_layout import NO_COLUMNS, SensorLayout
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.kinematics import Kinematics
