@@ -9,6 +9,22 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+_LONGEST_VALUE, _LONGEST_NAME = 400, 200  # characters
+
+
+def shortened(value: object, width: int = 80) -> str:
+    """The representation of a value for a message, cut to a number of characters.
+
+    Args:
+        value: value of any kind.
+        width: largest number of characters.
+    """
+    try:
+        text = repr(value)
+    except Exception:  # too deep, too long, or a faulty __repr__
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= width else f"{text[: width - 3]}..."
+
 
 class PRPError(Exception):
     """Root of all errors that prp_gym raises."""
@@ -31,10 +47,10 @@ class UnknownNameError(PRPError, ValueError):
         self.kind = kind
         self.name = name
         self.valid = tuple(sorted(valid))
-        near = difflib.get_close_matches(str(name), self.valid, n=1)
+        near = difflib.get_close_matches(str(name)[:_LONGEST_NAME], self.valid, n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""
         listing = ", ".join(self.valid) if self.valid else "none"
-        super().__init__(f"unknown {kind} {name!r}.{hint} Valid: {listing}.")
+        super().__init__(f"unknown {kind} {shortened(name)}.{hint} Valid: {listing}.")
 
 
 class InvalidValueError(PRPError, ValueError):
@@ -45,7 +61,7 @@ class InvalidValueError(PRPError, ValueError):
         self.value = value
         self.allowed = allowed
         self.unit = unit
-        shown = f"{value!r} {unit}".rstrip()
+        shown = f"{shortened(value, _LONGEST_VALUE)} {unit}".rstrip()
         super().__init__(f"{what} is {shown}; allowed: {allowed}.")
 
 
@@ -144,22 +160,41 @@ class OutputError(PRPError, RuntimeError):
         super().__init__(f"cannot write to {self.path!r}: {self.reason}")
 
 
-class GainsFileError(PRPError, ValueError):
+class DataTextError(PRPError, ValueError):
+    """A text in JSON, TOML or YAML that cannot be read, or that holds more than plain values."""
+
+    def __init__(self, language: str, what: str) -> None:
+        self.language = language
+        self.what = what
+        super().__init__(f"the text cannot be read as {language}: {what}.")
+
+
+class DataFileError(PRPError, ValueError):
+    """A file that is missing, damaged, too large, not a regular file, or that holds what it may not hold.
+
+    The remedy, where there is one, says what to do.
+    """
+
+    label = "file"
+
+    def __init__(self, path: object, what: str, remedy: str = "") -> None:
+        self.path = str(path)
+        self.what = what
+        self.remedy = remedy
+        advice = f" {remedy}." if remedy else ""
+        super().__init__(f"{self.label} {self.path!r}: {what}.{advice}")
+
+
+class GainsFileError(DataFileError):
     """A TOML file of gains that is missing, is not TOML, or holds what a controller does not have."""
 
-    def __init__(self, path: object, what: str) -> None:
-        self.path = str(path)
-        self.what = what
-        super().__init__(f"gains file {self.path!r}: {what}.")
+    label = "gains file"
 
 
-class AgentFileError(PRPError, ValueError):
+class AgentFileError(DataFileError):
     """The file of a trained agent that is missing, damaged, altered or of another kind."""
 
-    def __init__(self, path: object, what: str) -> None:
-        self.path = str(path)
-        self.what = what
-        super().__init__(f"agent file {self.path!r}: {what}.")
+    label = "agent file"
 
 
 class PluginError(PRPError, RuntimeError):

@@ -19,7 +19,7 @@ PACKAGES = {
 }
 """Folder in the repository, and the name under which it is imported."""
 
-CORE_PACKAGES = ("errors", "registry", "artifacts", "plugins", "robot", "physics", "tasks", "evaluation")
+CORE_PACKAGES = ("errors", "registry", "artifacts", "files", "plugins", "robot", "physics", "tasks", "evaluation")
 """They import each other alone."""
 
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
@@ -43,6 +43,7 @@ MORE_THIRD_PARTY = {
     "cli": {"rich", "typer"},
     "comparison": {"matplotlib", "rich"},
     "evaluation": {"rich"},
+    "files": {"yaml"},
     "reproduction": {"matplotlib", "rich"},
     "runs": {"joblib", "ray", "rich"},
     "tuning": {"optuna"},
