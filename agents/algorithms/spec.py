@@ -22,6 +22,7 @@ from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
 
+
 @dataclass(frozen=True)
 class AlgorithmEntry:
     """The code of an algorithm.

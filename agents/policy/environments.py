@@ -8,10 +8,9 @@ from prp_gym.envs.config import EnvConfig, parse_keywords
 from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 from prp_gym.tasks.spec import TASKS
 
-
 _LONGEST_LIST = 12
 _LONGEST_TEXT = 200
-_LONGEST_DURATION = 3600.0  # s
+_LARGEST = {"duration": (3600.0, "s"), "width": (4096, "pixel"), "height": (4096, "pixel")}
 _PLAIN = f"text, a number, true, false, null or a list of at most {_LONGEST_LIST} numbers"
 
 
@@ -57,9 +56,12 @@ def check_environment(environment_id: str, keywords: Mapping[str, object]) -> No
     except PRPError:
         raise
     except Exception as error:  # options of a plugin may raise any exception about a value
-        raise InvalidValueError(f"keywords of environment {environment_id!r}", keywords, str(error)) from error
-    if config.duration > _LONGEST_DURATION:
-        raise InvalidValueError("duration in a file", config.duration, f"at most {_LONGEST_DURATION:g}", "s")
+        raise InvalidValueError(
+            f"keywords of environment {environment_id!r}", keywords, str(error)
+        ) from error
+    for name, (largest, unit) in _LARGEST.items():
+        if getattr(config, name) > largest:
+            raise InvalidValueError(f"{name} in a file", getattr(config, name), f"at most {largest:g}", unit)
 
 
 def _is_plain(value: Any) -> bool:

@@ -140,9 +140,8 @@ class OptionalSetting:
 
     def read(self, name: str, value: object) -> Any:
         """See `SettingKind.read`."""
-        if value is None or isinstance(value, str):
-            if value == self.other:
-                return value
+        if (value is None or isinstance(value, str)) and value == self.other:
+            return value
         try:
             return self.kind.read(name, value)
         except InvalidValueError:

@@ -1,4 +1,4 @@
-"""Type and bounds of every setting that a recipe may give an algorithm of Stable-Baselines3 or its networks."""
+"""Type and bounds of every setting that a recipe may give an algorithm or its networks."""
 
 from collections.abc import Mapping
 

@@ -101,6 +101,4 @@ def _open(folder: RunFolder, path: Path, read: Callable[[BinaryIO], ValueT]) -> 
 
 def _read_normalizer(file: BinaryIO) -> Normalizer:
     with np.load(file, allow_pickle=False) as arrays:
-        return Normalizer(
-            arrays["mean"], arrays["variance"], float(arrays["epsilon"]), float(arrays["clip"])
-        )
+        return Normalizer(arrays["mean"], arrays["variance"], float(arrays["epsilon"]), float(arrays["clip"]))

@@ -2,8 +2,8 @@
 
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 from prp_gym.errors import DataFileError
 
@@ -16,7 +16,7 @@ _KINDS = (
 )
 
 
-def open_regular(path: Path, error: type[DataFileError] = DataFileError) -> BinaryIO:
+def open_regular(path: Path, error: type[DataFileError] = DataFileError) -> BufferedReader:
     """Open a regular file, or a link to one, to read its bytes.
 
     Args:

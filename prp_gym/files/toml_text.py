@@ -39,7 +39,9 @@ def parse_toml(text: str) -> dict[str, Any]:
         raise DataTextError("TOML", str(fault)) from None
     for value in _leaves(table):
         if type(value) not in (str, int, float, bool):
-            raise DataTextError("TOML", f"{shortened(str(value))} is a {type(value).__name__}, not a number or text")
+            raise DataTextError(
+                "TOML", f"{shortened(str(value))} is a {type(value).__name__}, not a number or text"
+            )
         if type(value) is int and abs(value) >= _LARGEST:
             raise DataTextError("TOML", f"a whole number has more than {INTEGER_DIGITS} digits")
     return table

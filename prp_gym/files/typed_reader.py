@@ -1,5 +1,6 @@
 """Plain values as dataclasses: no unknown key, none missing without a default, every value of its type."""
 
+import difflib
 import types
 from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
@@ -10,6 +11,8 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 from prp_gym.errors import DataFileError, PRPError, shortened
 
 _NAMES = {str: "text", int: "a whole number", float: "a number", bool: "true or false", type(None): "null"}
+
+_LONGEST_NAME = 200
 
 ValueT = TypeVar("ValueT")
 
@@ -56,7 +59,7 @@ class TypedReader:
         if not isinstance(plain, dict):
             raise self._refusal(key, plain, "an object")
         for name in sorted((plain.keys() ^ names) - optional):
-            fault = "is missing" if name in names else "is unknown"
+            fault = "is missing" if name in names else f"is unknown{_nearest(name, names)}"
             raise self._error(self._path, f"key {shortened(_join(key, name))} {fault}")
         return plain
 
@@ -94,7 +97,8 @@ class TypedReader:
         if len(each) != len(plain):
             raise self._refusal(key, plain, f"a list of {len(each)} values")
         return tuple(
-            self._value(kind, item, f"{key}[{n}]") for n, (kind, item) in enumerate(zip(each, plain, strict=True))
+            self._value(kind, item, f"{key}[{n}]")
+            for n, (kind, item) in enumerate(zip(each, plain, strict=True))
         )
 
     def _one_of(self, kinds: tuple[Any, ...], plain: Any, key: str) -> Any:
@@ -125,6 +129,11 @@ def _declaration(kind: Any) -> tuple[dict[str, Any], list[str], frozenset[str]]:
         field.name for field in own if field.default is not MISSING or field.default_factory is not MISSING
     )
     return get_type_hints(kind), [field.name for field in own], frozenset(defaults)
+
+
+def _nearest(name: str, names: set[str]) -> str:
+    near = difflib.get_close_matches(name[:_LONGEST_NAME], names, n=1)
+    return f"; did you mean {near[0]!r}?" if near else f"; allowed: {', '.join(sorted(names))}"
 
 
 def _join(key: str, name: str) -> str:

@@ -66,7 +66,9 @@ def _read(yaml: Any, loader: Any) -> Any:
 def _refuse_references(yaml: Any, event: Any) -> None:
     line = event.start_mark.line + 1
     if isinstance(event, yaml.AliasEvent):
-        raise DataTextError("YAML", f"line {line} has the alias {shortened('*' + event.anchor)}; write it out")
+        raise DataTextError(
+            "YAML", f"line {line} has the alias {shortened('*' + event.anchor)}; write it out"
+        )
     if getattr(event, "anchor", None) is not None:
         raise DataTextError("YAML", f"line {line} has the anchor {shortened('&' + event.anchor)}; remove it")
     if getattr(event, "tag", None) is not None:
@@ -97,7 +99,9 @@ class _Tree:
 
     def __init__(self) -> None:
         self.value: Any = None
-        self._open: list[tuple[Any, list[str]]] = []  # lists and mappings, with the key that waits for a value
+        self._open: list[
+            tuple[Any, list[str]]
+        ] = []  # lists and mappings, with the key that waits for a value
 
     def enter(self, collection: Any) -> None:
         """Begin a list or mapping."""

@@ -19,7 +19,17 @@ PACKAGES = {
 }
 """Folder in the repository, and the name under which it is imported."""
 
-CORE_PACKAGES = ("errors", "registry", "artifacts", "files", "plugins", "robot", "physics", "tasks", "evaluation")
+CORE_PACKAGES = (
+    "errors",
+    "registry",
+    "artifacts",
+    "files",
+    "plugins",
+    "robot",
+    "physics",
+    "tasks",
+    "evaluation",
+)
 """They import each other alone."""
 
 MAY_IMPORT: dict[str, tuple[str, ...]] = {
