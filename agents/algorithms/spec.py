@@ -1,10 +1,10 @@
 """`AlgorithmSpec`: the declaration of a learning algorithm, and the registry of algorithms."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prp_gym.agents.sb3.actors import ActorReader
 from prp_gym.agents.sb3.arguments import NOISE_KEYS
@@ -38,6 +38,10 @@ class AlgorithmEntry:
     read_actor: ActorReader
 
 
+def _accept(settings: Mapping[str, Any], n_envs: int) -> None:
+    """Accept settings that are within their bounds, however they are combined."""
+
+
 @dataclass(frozen=True)
 class RecipeScope:
     """What a recipe may set of an algorithm and of its policy network.
@@ -52,6 +56,8 @@ class RecipeScope:
         excluded: names of constructor arguments that a recipe may not set.
         settings: type and bounds of further constructor arguments by name.
         policy_settings: type and bounds of further arguments of the policy network's constructor by name.
+        check: function of a recipe's settings and of its number of environments, which raises
+            `InvalidValueError` about settings that do not go together.
     """
 
     policies: tuple[str, ...] = ("MlpPolicy",)
@@ -59,6 +65,7 @@ class RecipeScope:
     excluded: frozenset[str] = frozenset()
     settings: Mapping[str, SettingKind] = field(default_factory=dict)
     policy_settings: Mapping[str, SettingKind] = field(default_factory=dict)
+    check: Callable[[Mapping[str, Any], int], None] = _accept
 
 
 @dataclass(frozen=True)

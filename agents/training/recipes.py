@@ -162,11 +162,13 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
         for key, value in merged.items()
         if key not in _COMMON or key == "policy_kwargs"
     }
+    n_envs = ENVIRONMENTS.read("n_envs", merged["n_envs"])
+    spec.scope.check(settings, n_envs)
     return Recipe(
         algorithm,
         environment_id,
         TIMESTEPS.read("n_timesteps", merged["n_timesteps"]),
-        ENVIRONMENTS.read("n_envs", merged["n_envs"]),
+        n_envs,
         merged["policy"],
         _normalize(merged.get("normalize", {})),
         _mapping("env_kwargs", merged.get("env_kwargs", {})),

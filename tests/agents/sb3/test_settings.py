@@ -131,6 +131,22 @@ def test_words_and_null_are_allowed_where_the_algorithm_takes_them() -> None:
     assert arch.settings["policy_kwargs"]["net_arch"] == {"pi": [8], "vf": [16, 8]}
 
 
+@pytest.mark.parametrize(
+    ("algorithm", "overrides", "what"),
+    [
+        ("tqc", ["top_quantiles_to_drop_per_net=25"], "top_quantiles_to_drop_per_net"),
+        ("tqc", ["policy_kwargs.n_quantiles=2"], "top_quantiles_to_drop_per_net"),
+        ("recurrent_ppo", ["batch_size=1"], "batch_size"),
+        ("recurrent_ppo", ["n_envs=1", "n_steps=129", "batch_size=128"], "batch_size"),
+        ("recurrent_ppo", ["n_envs=1", "n_steps=1"], "batch_size"),
+    ],
+)
+def test_settings_that_together_give_nan_are_refused(algorithm: str, overrides: list[str], what: str) -> None:
+    with pytest.raises(InvalidValueError) as caught:
+        load_recipe(algorithm, ID, overrides=overrides)
+    assert caught.value.what == what
+
+
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_every_setting_of_the_recipes_is_declared(algorithm: str) -> None:
     recipe = load_recipe(algorithm, ID)
