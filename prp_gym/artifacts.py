@@ -1,4 +1,4 @@
-"""Artifacts: strict JSON and other files, how they are written atomically and how they are read."""
+"""Artifacts: strict JSON and other files, and how they are written atomically."""
 
 import json
 import math
@@ -10,12 +10,12 @@ from contextlib import suppress
 from dataclasses import asdict, is_dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, OutputError
+from prp_gym.errors import OutputError
 from prp_gym.processes.leftovers import part_of
 
 _PACKAGES = ("prp-gym", "gymnasium", "mujoco", "numpy")
@@ -108,22 +108,3 @@ def write_file(path: Path, content: bytes) -> None:
     finally:
         with suppress(OSError):  # it is not there, or has no folder
             part.unlink()
-
-
-def read_json(path: Path) -> Any:
-    """The content of a strict JSON file.
-
-    Args:
-        path: path of the file.
-
-    Raises:
-        InvalidValueError: a file that cannot be read or is not strict JSON; it says why.
-    """
-    try:
-        return json.loads(path.read_bytes(), parse_constant=_refuse_constant)
-    except (OSError, ValueError, RecursionError) as error:
-        raise InvalidValueError(f"file {str(path)!r}", str(error), "strict JSON") from error
-
-
-def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is not a number of strict JSON")

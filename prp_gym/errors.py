@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+_LONGEST_VALUE = 400  # characters of a value in a message
 _LONGEST_NAME = 100  # characters; a longer text is no misspelt name
 _MOST_BITS = 512  # of an integer that is written out
 _MOST_BYTES = 512  # of an array that is written out
@@ -130,7 +131,7 @@ class InvalidValueError(PRPError, ValueError):
         self.value = value
         self.allowed = allowed
         self.unit = unit
-        shown = f"{shortened(value)} {unit}".rstrip()
+        shown = f"{shortened(value, _LONGEST_VALUE)} {unit}".rstrip()
         super().__init__(f"{what} is {shown}; allowed: {allowed}.")
 
 
@@ -242,22 +243,41 @@ class OutputError(PRPError, RuntimeError):
         super().__init__(f"cannot write to {self.path!r}: {self.reason}")
 
 
-class GainsFileError(PRPError, ValueError):
+class DataTextError(PRPError, ValueError):
+    """A text in JSON, TOML or YAML that cannot be read, or that holds more than plain values."""
+
+    def __init__(self, language: str, what: str) -> None:
+        self.language = language
+        self.what = what
+        super().__init__(f"the text cannot be read as {language}: {what}.")
+
+
+class DataFileError(PRPError, ValueError):
+    """A file that is missing, damaged, too large, not a regular file, or that holds what it may not hold.
+
+    The remedy, where there is one, says what to do.
+    """
+
+    label = "file"
+
+    def __init__(self, path: object, what: str, remedy: str = "") -> None:
+        self.path = str(path)
+        self.what = what
+        self.remedy = remedy
+        advice = f" {remedy}." if remedy else ""
+        super().__init__(f"{self.label} {self.path!r}: {what}.{advice}")
+
+
+class GainsFileError(DataFileError):
     """A TOML file of gains that is missing, is not TOML, or holds what a controller does not have."""
 
-    def __init__(self, path: object, what: str) -> None:
-        self.path = str(path)
-        self.what = what
-        super().__init__(f"gains file {self.path!r}: {what}.")
+    label = "gains file"
 
 
-class AgentFileError(PRPError, ValueError):
+class AgentFileError(DataFileError):
     """The file of a trained agent that is missing, damaged, altered or of another kind."""
 
-    def __init__(self, path: object, what: str) -> None:
-        self.path = str(path)
-        self.what = what
-        super().__init__(f"agent file {self.path!r}: {what}.")
+    label = "agent file"
 
 
 class PluginError(PRPError, RuntimeError):

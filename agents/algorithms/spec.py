@@ -1,37 +1,27 @@
 """`AlgorithmSpec`: the declaration of a learning algorithm, and the registry of algorithms."""
 
 import inspect
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prp_gym.agents.sb3.actors import ActorReader
 from prp_gym.agents.sb3.arguments import NOISE_KEYS
 from prp_gym.agents.sb3.packages import require
+from prp_gym.agents.sb3.setting_kinds import SettingKind
+from prp_gym.agents.sb3.settings import (
+    NETWORK_SETTINGS,
+    REPLAY_NETWORK_SETTINGS,
+    REPLAY_SETTINGS,
+    SETTINGS,
+)
 from prp_gym.checks import instance
 from prp_gym.errors import UnknownNameError
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 
 if TYPE_CHECKING:
     from stable_baselines3.common.base_class import BaseAlgorithm
-
-_SET_BY_TRAINING = frozenset(
-    (
-        *("self", "policy", "env", "policy_kwargs", "seed", "verbose", "tensorboard_log", "device"),
-        *("_init_setup_model", "action_noise", "optimize_memory_usage", "replay_buffer_class"),
-        *("replay_buffer_kwargs", "rollout_buffer_class", "rollout_buffer_kwargs"),
-        *("use_sde", "sde_sample_freq", "use_sde_at_warmup"),
-    )
-)
-"""Constructor arguments that training sets, that take no plain value, or that prevent an export."""
-
-_POLICY_SET_BY_TRAINING = frozenset(
-    (
-        *("self", "observation_space", "action_space", "lr_schedule", "features_extractor_class"),
-        *("features_extractor_kwargs", "normalize_images", "optimizer_class", "optimizer_kwargs"),
-        *("use_sde", "squash_output", "full_std", "use_expln", "clip_mean", "args", "kwargs"),
-    )
-)
 
 
 @dataclass(frozen=True)
@@ -49,20 +39,34 @@ class AlgorithmEntry:
     read_actor: ActorReader
 
 
+def _accept(settings: Mapping[str, Any], n_envs: int) -> None:
+    """Accept settings that are within their bounds, however they are combined."""
+
+
 @dataclass(frozen=True)
 class RecipeScope:
-    """What a recipe may set of an algorithm, beside the plain arguments of its constructor.
+    """What a recipe may set of an algorithm and of its policy network.
+
+    These are the arguments of their constructors whose type and bounds are declared, for all algorithms in
+    `prp_gym.agents.sb3.settings` and for one algorithm here; all others are refused.
 
     Attributes:
         policies: names of the policy networks that a recipe may choose and that can be exported.
         replay_buffer: whether the algorithm learns from a replay buffer; a recipe may then set
             `noise_type` and `noise_std`, the exploration noise on actions.
-        excluded: names of constructor arguments that a recipe may not set, beside those that training sets.
+        excluded: names of constructor arguments that a recipe may not set.
+        settings: type and bounds of further constructor arguments by name.
+        policy_settings: type and bounds of further arguments of the policy network's constructor by name.
+        check: function of a recipe's settings and of its number of environments, which raises
+            `InvalidValueError` about settings that do not go together.
     """
 
     policies: tuple[str, ...] = ("MlpPolicy",)
     replay_buffer: bool = False
     excluded: frozenset[str] = frozenset()
+    settings: Mapping[str, SettingKind] = field(default_factory=dict)
+    policy_settings: Mapping[str, SettingKind] = field(default_factory=dict)
+    check: Callable[[Mapping[str, Any], int], None] = _accept
 
 
 @dataclass(frozen=True)
@@ -101,14 +105,15 @@ class AlgorithmSpec:
         found: type[BaseAlgorithm] = getattr(package, self.entry.class_name)
         return found
 
-    def setting_names(self) -> frozenset[str]:
-        """Names of the constructor's arguments that a recipe may set."""
-        arguments = set(inspect.signature(self.load_class().__init__).parameters)
-        noise = set(NOISE_KEYS) if self.scope.replay_buffer else set()
-        return frozenset((arguments - _SET_BY_TRAINING - self.scope.excluded) | noise)
+    def settings(self) -> dict[str, SettingKind]:
+        """Type and bounds of the constructor's arguments that a recipe may set, by name."""
+        scope = self.scope
+        declared = {**(REPLAY_SETTINGS if scope.replay_buffer else SETTINGS), **scope.settings}
+        arguments = {*inspect.signature(self.load_class().__init__).parameters, *NOISE_KEYS} - scope.excluded
+        return {name: kind for name, kind in declared.items() if name in arguments}
 
-    def policy_setting_names(self, policy: object) -> frozenset[str]:
-        """Names of the arguments that a recipe may set of a policy network's constructor.
+    def policy_settings(self, policy: object) -> dict[str, SettingKind]:
+        """Type and bounds of the arguments that a recipe may set of a policy network's constructor, by name.
 
         Args:
             policy: name of the policy network.
@@ -118,8 +123,14 @@ class AlgorithmSpec:
         """
         if policy not in self.scope.policies:
             raise UnknownNameError("policy", policy, self.scope.policies)
+        declared = REPLAY_NETWORK_SETTINGS if self.scope.replay_buffer else NETWORK_SETTINGS
         network = self.load_class().policy_aliases[str(policy)]
-        return frozenset(set(inspect.signature(network.__init__).parameters) - _POLICY_SET_BY_TRAINING)
+        arguments = inspect.signature(network.__init__).parameters
+        return {
+            name: kind
+            for name, kind in {**declared, **self.scope.policy_settings}.items()
+            if name in arguments
+        }
 
 
 ALGORITHMS: Registry[AlgorithmSpec] = Registry("algorithm", "prp_gym.agents.algorithms")

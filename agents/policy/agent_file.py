@@ -1,15 +1,17 @@
 """Trained agents as files: weights as safetensors and a card as JSON, formats that cannot hold code."""
 
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
 
 from prp_gym.agents.policy.agent_tensors import digest, pack_tensors, unpack_tensors
-from prp_gym.agents.policy.card_file import pack_card, unpack_card
+from prp_gym.agents.policy.card_file import READER, pack_card, unpack_card
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.artifacts import write_file
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, UnknownNameError
+from prp_gym.files import FileReader
 from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"
@@ -17,7 +19,7 @@ TRAINED = Path(__file__).parents[1] / "trained"
 
 TENSORS, CARD = ".safetensors", ".json"
 _WITH_CODE = frozenset((".zip", ".pkl", ".pickle", ".pt", ".pth", ".npy", ".npz", ".joblib"))
-_LARGEST = {TENSORS: 256 * 2**20, CARD: 16 * 2**20}  # [bytes]
+_READERS = {TENSORS: FileReader(256 * 2**20, AgentFileError), CARD: READER}
 _ONE_SEED = re.compile(r"(?P<group>.+)_seed_(?P<seed>\d+)")
 
 
@@ -61,7 +63,7 @@ def load_agent(name_or_path: str | Path) -> LearnedPolicy:
         return _load(*_twins(TRAINED / _median(name_or_path)))
     tensors, card = _twins(name_or_path)
     named = isinstance(name_or_path, str) and Path(name_or_path).suffix not in (TENSORS, CARD)
-    if named and not tensors.exists() and not card.exists():
+    if named and not os.path.exists(tensors) and not os.path.exists(card):
         raise UnknownNameError("agent", name_or_path, _shipped())
     return _load(tensors, card)
 
@@ -126,7 +128,7 @@ def _median(name: str) -> str:
 def _own_score(name: str) -> float:
     """The score that an agent's card states for the scenario of the training."""
     _, path = _twins(TRAINED / name)
-    card = unpack_card(path, _content(path))
+    card = unpack_card(path, read_content(path))
     scenario = card.interface.keywords.get("scenario", EnvConfig.scenario)
     if scenario not in card.scores:
         raise AgentFileError(path, f"has no score in scenario {scenario!r}, in which it was trained")
@@ -150,24 +152,22 @@ def _twins(path: str | Path) -> tuple[Path, Path]:
 
 
 def _load(tensors: Path, card: Path) -> LearnedPolicy:
-    described = unpack_card(card, _content(card))
-    return LearnedPolicy(described, *unpack_tensors(tensors, _content(tensors), described))
+    described = unpack_card(card, read_content(card))
+    return LearnedPolicy(described, *unpack_tensors(tensors, read_content(tensors), described))
 
 
-def _content(path: Path) -> bytes:
-    """The content of a file.
+def read_content(path: Path) -> bytes:
+    """The content of one of an agent's two files.
+
+    Args:
+        path: path of the file, with its suffix.
 
     Raises:
         AgentFileError: a file that cannot be read, or that is larger than the files of any agent.
     """
-    largest = _LARGEST[path.suffix]
     try:
-        with path.open("rb") as file:
-            content = file.read(largest + 1)
-    except FileNotFoundError:
+        return _READERS[path.suffix].read_bytes(path)
+    except AgentFileError as error:
+        if not isinstance(error.__cause__, FileNotFoundError):
+            raise
         raise AgentFileError(path, f"is missing; an agent is two files, {TENSORS} and {CARD}") from None
-    except OSError as error:
-        raise AgentFileError(path, f"cannot be read: {error.strerror or error}") from None
-    if len(content) > largest:
-        raise AgentFileError(path, f"is larger than {largest} bytes")
-    return content

@@ -2,10 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
+from typing import Any
 
-from prp_gym.envs.config import EnvConfig
-from prp_gym.errors import UnknownNameError
+from prp_gym.envs.config import EnvConfig, parse_keywords
+from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
 from prp_gym.tasks.spec import TASKS
+
+_LONGEST_LIST = 12
+_LONGEST_TEXT = 200
+_LARGEST = {"duration": (3600.0, "s"), "width": (4096, "pixel"), "height": (4096, "pixel")}
+_PLAIN = f"text, a number, true, false, null or a list of at most {_LONGEST_LIST} numbers"
 
 
 def declared_keywords(environment_id: str) -> frozenset[str]:
@@ -24,17 +30,47 @@ def declared_keywords(environment_id: str) -> frozenset[str]:
 def check_environment(environment_id: str, keywords: Mapping[str, object]) -> None:
     """Refuse what an agent's card or recipe says about its environment, before anything is imported or made.
 
+    Gymnasium's own arguments of `make`, such as `max_episode_steps`, are no keywords of an environment. A
+    file cannot open a window either: `render_mode="human"` is for callers alone.
+
     Args:
         environment_id: id that the file names; the form `module:id` is refused.
         keywords: keywords of the environment by their names.
 
     Raises:
-        UnknownNameError: an id that is not registered, or a keyword that the environment does not declare.
+        UnknownNameError: an id that is not registered, a keyword that the environment does not declare, or a
+            scenario, action mode or other word that does not exist.
+        InvalidValueError: a value of another type, or out of bounds.
+        ShapeError: a list of another length.
     """
     valid = declared_keywords(environment_id)
-    for name in keywords:
+    for name, value in keywords.items():
         if name not in valid:
             raise UnknownNameError(f"keyword of environment {environment_id!r}", name, valid)
+        if not _is_plain(value):
+            raise InvalidValueError(f"keyword {name!r} of environment {environment_id!r}", value, _PLAIN)
+    if keywords.get("render_mode") == "human":
+        raise InvalidValueError("render_mode in a file", "human", "rgb_array, depth_array or null")
+    try:
+        config, _ = parse_keywords(keywords, TASKS.find(environment_id).entry.options)
+    except PRPError:
+        raise
+    except Exception as error:  # options of a plugin may raise any exception about a value
+        raise InvalidValueError(
+            f"keywords of environment {environment_id!r}", keywords, str(error)
+        ) from error
+    for name, (largest, unit) in _LARGEST.items():
+        if getattr(config, name) > largest:
+            raise InvalidValueError(f"{name} in a file", getattr(config, name), f"at most {largest:g}", unit)
+
+
+def _is_plain(value: Any) -> bool:
+    """Whether a value is of a type that keywords have in files."""
+    if isinstance(value, str):
+        return len(value) <= _LONGEST_TEXT
+    if isinstance(value, list | tuple):
+        return len(value) <= _LONGEST_LIST and all(type(item) in (int, float) for item in value)
+    return value is None or isinstance(value, bool | int | float)
 
 
 def environment_revision(environment_id: str) -> int:

@@ -10,6 +10,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.errors import AgentFileError
+from prp_gym.files import open_regular
 
 
 def open_trusted_model(path: Path, algorithm: type[BaseAlgorithm], name: str) -> BaseAlgorithm:
@@ -24,7 +25,10 @@ def open_trusted_model(path: Path, algorithm: type[BaseAlgorithm], name: str) ->
         AgentFileError: the file is not such a model.
     """
     try:
-        return algorithm.load(path, device="cpu")
+        with open_regular(path, AgentFileError) as file:
+            return algorithm.load(file, device="cpu")
+    except AgentFileError:
+        raise
     except Exception as error:  # unpickling damaged content can raise any exception
         raise AgentFileError(path, f"cannot be read as a model of {name}: {error}") from error
 
@@ -39,7 +43,10 @@ def open_trusted_normalizer(path: Path) -> Normalizer:
         AgentFileError: the file is not such a wrapper, or its observations are not flat arrays.
     """
     try:
-        wrapper = pickle.loads(path.read_bytes())
+        with open_regular(path, AgentFileError) as file:
+            wrapper = pickle.load(file)
+    except AgentFileError:
+        raise
     except Exception as error:  # unpickling damaged content can raise any exception
         raise AgentFileError(path, f"cannot be read as a VecNormalize: {error}") from error
     if not isinstance(wrapper, VecNormalize) or not wrapper.norm_obs:

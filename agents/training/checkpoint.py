@@ -15,9 +15,11 @@ import torch
 
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.model import Learner
-from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState, Violations
-from prp_gym.artifacts import require_folder, to_plain
+from prp_gym.agents.training.run_records import StoredState
+from prp_gym.agents.training.training_state import BestPolicy, TrainingState
+from prp_gym.artifacts import require_folder
 from prp_gym.errors import CheckpointError, OutputError
+from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, check_archive, open_regular, seal, unseal
 
 _PREFIX = "checkpoint-"
 _STATE, _TENSORS, _ARRAYS, _REPLAY = "state.json", "tensors.pt", "arrays.npz", "replay.npz"
@@ -100,8 +102,7 @@ def _write_parts(folder: Path, learner: Learner, state: TrainingState) -> None:
         "best": [{"steps": best.steps, "score": best.score} for best in state.best],
         "checksums": checksums,
     }
-    text = json.dumps(to_plain(numbers))
-    (folder / _STATE).write_text(f"{zlib.crc32(text.encode())}\n{text}\n", encoding="utf-8")
+    (folder / _STATE).write_text(json.dumps(seal(numbers)) + "\n", encoding="utf-8")
     for path in folder.iterdir():
         _sync(path)
     _sync(folder)
@@ -118,7 +119,7 @@ def _sync(path: Path) -> None:
 
 def _checksum(path: Path) -> int:
     value = 0
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         while block := file.read(1 << 22):
             value = zlib.crc32(block, value)
     return value
@@ -167,7 +168,7 @@ def read_resumes(path: Path) -> int:
     Raises:
         CheckpointError: the checkpoint is damaged.
     """
-    return int(_read(path, lambda: _read_numbers(path)["resumes"]))
+    return int(_read(path, lambda: _read_numbers(path).resumes))
 
 
 def restore_checkpoint(path: Path, learner: Learner) -> TrainingState:
@@ -184,13 +185,10 @@ def restore_checkpoint(path: Path, learner: Learner) -> TrainingState:
     return state
 
 
-def _read_numbers(path: Path) -> dict[str, Any]:
-    """The numbers of a checkpoint, after a check of the checksum that precedes them."""
-    checksum, _, text = (path / _STATE).read_text(encoding="utf-8").partition("\n")
-    if zlib.crc32(text.removesuffix("\n").encode()) != int(checksum):
-        raise ValueError(f"the checksum of {_STATE} does not match")
-    numbers: dict[str, Any] = json.loads(text)
-    return numbers
+def _read_numbers(path: Path) -> StoredState:
+    """The numbers of a checkpoint, after a check of their checksum and types."""
+    file = path / _STATE
+    return TypedReader(file).read(StoredState, unseal(file, FileReader(RECORD_SIZE).read_json(file)), "")
 
 
 def _read(path: Path, read: Callable[[], Any]) -> Any:
@@ -203,12 +201,11 @@ def _read(path: Path, read: Callable[[], Any]) -> Any:
 def _restore(path: Path, learner: Learner) -> TrainingState:
     model: Any = learner.model
     numbers = _read_numbers(path)
-    for name, expected in numbers["checksums"].items():
-        if _checksum(path / name) != expected:
-            raise ValueError(f"the checksum of {name} does not match")
-    tensors = torch.load(path / _TENSORS, weights_only=True)
-    with np.load(path / _ARRAYS, allow_pickle=False) as file:
-        arrays = dict(file)
+    _check_files(path, numbers.checksums)
+    with open_regular(path / _TENSORS) as file:
+        check_archive(path / _TENSORS, file)
+        tensors = torch.load(file, weights_only=True)
+    arrays = _load_arrays(path / _ARRAYS)
     model.set_parameters(tensors["parameters"], exact_match=True, device="cpu")
     for name, value in tensors["variables"].items():
         getattr(model, name).data.copy_(value)
@@ -216,9 +213,27 @@ def _restore(path: Path, learner: Learner) -> TrainingState:
     if getattr(model, "replay_buffer", None) is not None:
         _restore_replay(model.replay_buffer, path / _REPLAY)
     for name in _COUNTERS:
-        setattr(model, name, numbers["counters"][name])
+        setattr(model, name, numbers.counters[name])
     _restore_generators(model, numbers, tensors, arrays)
     return _training_state(numbers, tensors, arrays)
+
+
+def _check_files(path: Path, checksums: Mapping[str, int]) -> None:
+    """Refuse files other than those that the checkpoint's state names, with their checksums."""
+    names = {_TENSORS, _ARRAYS}
+    if not names <= set(checksums) <= {*names, _REPLAY}:
+        raise ValueError(f"{_STATE} names the files {', '.join(sorted(checksums))}")
+    for name, expected in checksums.items():
+        if _checksum(path / name) != expected:
+            raise ValueError(f"the checksum of {name} does not match")
+
+
+def _load_arrays(path: Path) -> dict[str, Any]:
+    """The arrays of an archive, none of which needs unpickling."""
+    with open_regular(path) as file:
+        check_archive(path, file)
+        with np.load(file, allow_pickle=False) as arrays:
+            return dict(arrays)
 
 
 def _restore_normalizer(learner: Learner, arrays: Mapping[str, Any]) -> None:
@@ -230,33 +245,30 @@ def _restore_normalizer(learner: Learner, arrays: Mapping[str, Any]) -> None:
 
 
 def _restore_replay(buffer: Any, path: Path) -> None:
-    with np.load(path, allow_pickle=False) as file:
-        for name in _BUFFER:
-            values = file[name]
-            getattr(buffer, name)[: len(values)] = values
-        buffer.pos, buffer.full = int(file["position"][0]), bool(file["position"][1])
+    arrays = _load_arrays(path)
+    for name in _BUFFER:
+        getattr(buffer, name)[: len(arrays[name])] = arrays[name]
+    buffer.pos, buffer.full = int(arrays["position"][0]), bool(arrays["position"][1])
 
 
 def _restore_generators(
-    model: Any, numbers: Mapping[str, Any], tensors: Mapping[str, Any], arrays: Mapping[str, Any]
+    model: Any, numbers: StoredState, tensors: Mapping[str, Any], arrays: Mapping[str, Any]
 ) -> None:
     torch.set_rng_state(tensors["generator"])
     position, has_gauss, cached = arrays["generator.rest"]
     np.random.set_state(  # noqa: NPY002 (the algorithms draw from it)
         ("MT19937", arrays["generator.keys"], int(position), int(has_gauss), float(cached))
     )
-    model.action_space.np_random.bit_generator.state = numbers["action_space"]
+    model.action_space.np_random.bit_generator.state = numbers.action_space
 
 
 def _training_state(
-    numbers: Mapping[str, Any], tensors: Mapping[str, Any], arrays: Mapping[str, Any]
+    numbers: StoredState, tensors: Mapping[str, Any], arrays: Mapping[str, Any]
 ) -> TrainingState:
     best = []
-    for facts, weights in zip(numbers["best"], tensors["best"], strict=True):
+    for facts, weights in zip(numbers.best, tensors["best"], strict=True):
         epsilon, clip = arrays["best.scale"].tolist()
         normalizer = Normalizer(arrays["best.mean"], arrays["best.variance"], epsilon, clip)
-        best.append(BestPolicy(facts["steps"], facts["score"], weights, normalizer))
-    curve = [CurveRow(**row) for row in numbers["curve"]]
-    violations = Violations(**numbers["violations"])
-    seconds, of_them = numbers["seconds"], numbers["evaluation_seconds"]
-    return TrainingState(curve, violations, seconds, of_them, numbers["resumes"], best)
+        best.append(BestPolicy(facts.steps, facts.score, weights, normalizer))
+    times = numbers.seconds, numbers.evaluation_seconds
+    return TrainingState([*numbers.curve], numbers.violations, *times, numbers.resumes, best)

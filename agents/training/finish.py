@@ -12,6 +12,7 @@ from prp_gym.agents.training.run_export import write_agent
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import TrainingState
 from prp_gym.artifacts import write_file, write_json
+from prp_gym.files import seal
 
 
 def finish_run(
@@ -62,6 +63,6 @@ def finish_run(
         "last_score": state.curve[-1].score,
         "violations": state.curve[-1].violations,
     }
-    write_json(folder.result, result)
+    write_json(folder.result, seal(result))
     folder.progress.unlink(missing_ok=True)
     return result

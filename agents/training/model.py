@@ -70,7 +70,7 @@ def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
     kind: Any = ALGORITHMS.find(recipe.algorithm).load_class()
     try:
         model: BaseAlgorithm = kind(recipe.policy, env, seed=seed, device="cpu", verbose=0, **arguments)
-    except (AssertionError, TypeError, ValueError) as error:
+    except (AssertionError, MemoryError, RuntimeError, TypeError, ValueError) as error:
         allowed = f"what {kind.__name__} takes ({error})"
         raise InvalidValueError(
             f"recipe's settings of {recipe.algorithm}", recipe.settings, allowed

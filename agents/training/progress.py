@@ -13,6 +13,7 @@ from prp_gym.agents.training.model import Learner
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState
 from prp_gym.artifacts import require_folder, write_json
+from prp_gym.files import seal
 
 _TELL_EVERY = 0.5  # s
 
@@ -103,7 +104,7 @@ class TrainingProgress(BaseCallback):
             weights = {name: value.clone() for name, value in self.model.policy.state_dict().items()}
             self._state.best = [BestPolicy(steps, score, weights, normalizer)]
         self.logger.record("held_out/score", score)
-        write_json(self._folder.curve, self._state.plain_curve())
+        write_json(self._folder.curve, seal(self._state.plain_curve()))
         self._report(row)
 
     def _keep(self) -> None:

@@ -8,10 +8,13 @@ from typing import Any
 
 from prp_gym.agents.algorithms import ALGORITHMS, AlgorithmSpec
 from prp_gym.agents.policy.environments import check_environment
-from prp_gym.agents.sb3.arguments import constructor_arguments
 from prp_gym.agents.sb3.packages import require
+from prp_gym.agents.sb3.settings import ENVIRONMENTS, TIMESTEPS
 from prp_gym.envs.config import EnvConfig
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import DataTextError, InvalidValueError, UnknownNameError
+from prp_gym.files import FileReader
+from prp_gym.files.limits import DEPTH
+from prp_gym.files.yaml_text import parse_yaml
 from prp_gym.tasks.registration import list_envs
 
 _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normalize", "env_kwargs"))
@@ -106,7 +109,8 @@ def load_recipe(
 
     Raises:
         UnknownNameError: an algorithm, environment, key or environment keyword that does not exist.
-        InvalidValueError: a file, override or value that is not allowed.
+        InvalidValueError: an override or a value that is not allowed.
+        DataFileError: a file that cannot be read, or that is not plain YAML.
         MissingPackageError: a package for learning is not installed.
     """
     spec = ALGORITHMS.find(algorithm)
@@ -142,7 +146,8 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
         InvalidValueError: a key that is missing, or a value that is not allowed.
     """
     spec = ALGORITHMS.find(algorithm)
-    valid = spec.setting_names() | _COMMON
+    kinds = spec.settings()
+    valid = _COMMON | set(kinds)
     for key in merged:
         if key not in valid:
             raise UnknownNameError(f"key of a recipe for {algorithm}", key, valid)
@@ -151,19 +156,19 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
             raise InvalidValueError(
                 f"recipe of {algorithm} for {environment_id}", merged, f"one with {key!r}"
             )
-    allowed = spec.policy_setting_names(merged["policy"])
-    for key in _mapping("policy_kwargs", merged.get("policy_kwargs", {})):
-        if key not in allowed:
-            raise UnknownNameError(f"key of policy_kwargs of {algorithm}", key, allowed)
-    if "train_freq" in merged:
-        _count("train_freq", merged["train_freq"])
-    settings = {key: value for key, value in merged.items() if key not in _COMMON or key == "policy_kwargs"}
-    constructor_arguments(settings, action_size=1)  # refuses values that it cannot read
+    policy = _policy_settings(spec, merged["policy"], merged.get("policy_kwargs", {}))
+    settings = {
+        key: policy if key == "policy_kwargs" else kinds[key].read(key, value)
+        for key, value in merged.items()
+        if key not in _COMMON or key == "policy_kwargs"
+    }
+    n_envs = ENVIRONMENTS.read("n_envs", merged["n_envs"])
+    spec.scope.check(settings, n_envs)
     return Recipe(
         algorithm,
         environment_id,
-        _count("n_timesteps", merged["n_timesteps"]),
-        _count("n_envs", merged["n_envs"]),
+        TIMESTEPS.read("n_timesteps", merged["n_timesteps"]),
+        n_envs,
         merged["policy"],
         _normalize(merged.get("normalize", {})),
         _mapping("env_kwargs", merged.get("env_kwargs", {})),
@@ -173,12 +178,9 @@ def make_recipe(algorithm: str, environment_id: str, merged: Mapping[str, Any]) 
 
 def _read(spec: AlgorithmSpec, config: Path | None) -> dict[str, Any]:
     """The entries of a recipe file."""
-    yaml = require("yaml")
+    require("yaml")
     where = config or spec.recipes.name
-    try:
-        content = yaml.safe_load((config or spec.recipes).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InvalidValueError("config", str(where), f"a readable file in YAML ({error})") from error
+    content = FileReader().read_yaml(config or spec.recipes)
     entries = _mapping(f"content of {where}", _with_numbers(content))
     for name, entry in entries.items():
         if name not in (_DEFAULT, *list_envs()):
@@ -189,15 +191,15 @@ def _read(spec: AlgorithmSpec, config: Path | None) -> dict[str, Any]:
 
 
 def _parse_override(text: str) -> dict[str, Any]:
-    yaml = require("yaml")
     key, equals, value = text.partition("=")
-    try:
-        parsed = _with_numbers(yaml.safe_load(value))
-    except yaml.YAMLError:
-        equals = ""
     steps = key.strip().split(".")
-    if not equals or not all(steps):
-        raise InvalidValueError("override", text, "key=value, with the value as in YAML")
+    allowed = "key=value, with the value as in YAML"
+    if not equals or not all(steps) or len(steps) > DEPTH:
+        raise InvalidValueError("override", text, allowed)
+    try:
+        parsed = _with_numbers(parse_yaml(value))
+    except DataTextError as error:
+        raise InvalidValueError("override", text, f"{allowed} ({error.what})") from error
     for step in reversed(steps):
         parsed = {step: parsed}
     made: dict[str, Any] = parsed
@@ -230,11 +232,16 @@ def _mapping(what: str, value: object) -> dict[str, Any]:
     return dict(value)
 
 
-def _count(what: str, value: object) -> int:
-    whole = isinstance(value, int | float) and not isinstance(value, bool) and float(value).is_integer()
-    if not whole or value < 1:  # type: ignore[operator]
-        raise InvalidValueError(what, value, "a whole number, at least 1")
-    return int(value)  # type: ignore[call-overload, no-any-return]
+def _policy_settings(spec: AlgorithmSpec, policy: object, given: object) -> dict[str, Any]:
+    """The settings of a policy network, checked."""
+    kinds = spec.policy_settings(policy)
+    for key in _mapping("policy_kwargs", given):
+        if key not in kinds:
+            raise UnknownNameError(f"key of policy_kwargs of {spec.name}", key, kinds)
+    return {
+        key: kinds[key].read(f"policy_kwargs.{key}", value)
+        for key, value in _mapping("policy_kwargs", given).items()
+    }
 
 
 def _normalize(value: object) -> dict[str, bool]:

@@ -1,10 +1,9 @@
 """The best policy of a training run as the files of an agent."""
 
-import json
-from collections.abc import Mapping
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
-from typing import Any
+from typing import BinaryIO, TypeVar
 
 import numpy as np
 import torch
@@ -12,12 +11,14 @@ import torch
 from prp_gym.agents.policy.agent_card import CurvePoint, TrainingRecord
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
-from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.export import AgentFacts, export_agent
 from prp_gym.agents.training.model import Learner, make_learner
 from prp_gym.agents.training.recipes import Recipe, make_recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.errors import RunFolderError
+from prp_gym.files import check_archive, open_regular
+
+ValueT = TypeVar("ValueT")
 
 
 def write_agent(
@@ -33,6 +34,7 @@ def write_agent(
         steps: number of training steps after which the weights were stored.
 
     Raises:
+        RunFolderError: the files of the run cannot be read.
         InvalidValueError: a network that cannot be exported.
         OutputError: the folder cannot be written to.
     """
@@ -40,15 +42,18 @@ def write_agent(
         recipe.environment_id,
         recipe.env_kwargs,
         learner.env.get_attr("observation_layout", 0)[0],
-        _describe(json.loads(folder.run.read_bytes()), json.loads(folder.curve.read_bytes()), recipe, steps),
+        _describe(folder, recipe, steps),
     )
     save_agent(export_agent(learner.model, normalizer, facts), folder.agent)
 
 
-def _describe(run: Mapping[str, Any], curve: Mapping[str, Any], recipe: Recipe, steps: int) -> TrainingRecord:
-    points = tuple(CurvePoint(**row) for row in curve["rows"])
-    seconds = next(point.seconds for point in points if point.steps == steps)
-    return TrainingRecord(run["command"], int(run["seed"]), steps, seconds, recipe.to_plain(), points)
+def _describe(folder: RunFolder, recipe: Recipe, steps: int) -> TrainingRecord:
+    facts, rows = folder.read_facts(), folder.read_curve().rows
+    points = tuple(CurvePoint(row.steps, row.seconds, row.score, row.violations) for row in rows)
+    seconds = [point.seconds for point in points if point.steps == steps]
+    if not seconds:
+        raise RunFolderError(folder.path, f"its learning curve has no evaluation at step {steps}")
+    return TrainingRecord(facts.command, facts.seed, steps, seconds[0], recipe.to_plain(), points)
 
 
 def export_run(path: Path) -> None:
@@ -58,17 +63,42 @@ def export_run(path: Path) -> None:
         path: path of the run's folder.
 
     Raises:
-        RunFolderError: the folder holds no finished run.
+        RunFolderError: the folder holds no finished run, or one with a damaged file.
         UnknownNameError: an algorithm, environment or key of the run's `config.yml` that does not exist.
     """
     folder = RunFolder(path.resolve())
     if not folder.is_finished:
         raise RunFolderError(path, "it holds no finished run", "Train it to the end first")
-    content = require("yaml").safe_load(folder.config.read_text(encoding="utf-8"))
+    content = folder.read_config()
     algorithm, environment_id = content.pop("algorithm"), content.pop("environment")
     recipe = make_recipe(algorithm, environment_id, content)
-    with np.load(path / "best_normalizer.npz", allow_pickle=False) as file:
-        normalizer = Normalizer(file["mean"], file["variance"], float(file["epsilon"]), float(file["clip"]))
+    steps = int(folder.read_result()["best"]["steps"])
+    normalizer = _open(folder, folder.path / "best_normalizer.npz", _read_normalizer)
     with closing(make_learner(recipe, 0)) as learner:
-        learner.model.policy.load_state_dict(torch.load(path / "best.pt", weights_only=True))
-        write_agent(folder, recipe, learner, normalizer, int(folder.read_result()["best"]["steps"]))
+        policy = learner.model.policy
+        _open(
+            folder,
+            folder.path / "best.pt",
+            lambda file: policy.load_state_dict(torch.load(file, weights_only=True)),
+        )
+        write_agent(folder, recipe, learner, normalizer, steps)
+
+
+def _open(folder: RunFolder, path: Path, read: Callable[[BinaryIO], ValueT]) -> ValueT:
+    """What a function reads from an archive of arrays.
+
+    Raises:
+        RunFolderError: the archive is missing or damaged.
+    """
+    try:
+        with open_regular(path) as file:
+            check_archive(path, file)
+            return read(file)
+    except Exception as error:  # a damaged file can raise any exception
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise RunFolderError(folder.path, f"{path.name!r} cannot be read ({reason})") from error
+
+
+def _read_normalizer(file: BinaryIO) -> Normalizer:
+    with np.load(file, allow_pickle=False) as arrays:
+        return Normalizer(arrays["mean"], arrays["variance"], float(arrays["epsilon"]), float(arrays["clip"]))

@@ -1,23 +1,28 @@
 """`RunFolder`: the files of a training run, and whether it is finished or may be resumed."""
 
-import json
+import hashlib
 import shutil
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import Recipe
+from prp_gym.agents.training.run_records import RunCurve, RunFacts, RunResult
 from prp_gym.artifacts import list_versions, prepare_folder, to_plain, write_file, write_json
-from prp_gym.errors import InvalidValueError, RunFolderError
+from prp_gym.errors import DataFileError, InvalidValueError, RunFolderError, shortened
+from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, seal, unseal_or_former
 from prp_gym.processes.folder_lock import LOCK, FolderLock
 
 _RESERVED = ".command.lock"
 _LOCKS = frozenset((LOCK, _RESERVED))
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
+_RECORDS = FileReader(RECORD_SIZE)
+
+ContentT = TypeVar("ContentT")
 
 
 @dataclass(frozen=True)
@@ -82,17 +87,58 @@ class RunFolder:
             RunFolderError: the result cannot be read.
         """
         try:
-            result: dict[str, Any] = json.loads(self.result.read_bytes())
-        except (OSError, ValueError) as error:
+            content, _ = _read(self.result, RunResult)
+        except DataFileError as error:
             raise RunFolderError(self.path, f"its result cannot be read ({error})") from error
-        return result
+        return content
+
+    def read_facts(self) -> RunFacts:
+        """The content of `run.json`.
+
+        Raises:
+            RunFolderError: the file cannot be read.
+        """
+        try:
+            return _read(self.run, RunFacts)[1]
+        except DataFileError as error:
+            raise RunFolderError(self.path, f"its facts cannot be read ({error})") from error
+
+    def read_curve(self) -> RunCurve:
+        """The learning curve.
+
+        Raises:
+            RunFolderError: the file cannot be read.
+        """
+        try:
+            return _read(self.curve, RunCurve)[1]
+        except DataFileError as error:
+            raise RunFolderError(self.path, f"its learning curve cannot be read ({error})") from error
+
+    def read_config(self) -> dict[str, Any]:
+        """The merged recipe as it was written, with the algorithm and the environment.
+
+        Raises:
+            RunFolderError: the file cannot be read, or was altered since the run began.
+        """
+        digest = self.read_facts().recipe_sha256
+        try:
+            content = _RECORDS.read_bytes(self.config)
+            text = _RECORDS.decode(self.config, content)
+            recipe = _RECORDS.parse_yaml(self.config, text)
+        except DataFileError as error:
+            raise RunFolderError(self.path, f"its recipe cannot be read ({error})") from error
+        if not isinstance(recipe, dict) or not {"algorithm", "environment"} <= set(recipe):
+            raise RunFolderError(self.path, f"{self.config.name!r} holds no recipe")
+        if digest and hashlib.sha256(content).hexdigest() != digest:
+            raise RunFolderError(self.path, f"{self.config.name!r} was altered since the run began")
+        return recipe
 
     def read_steps(self) -> int:
         """Number of steps trained so far, as last written; 0 where nothing can be read."""
         try:
             told = self.result if self.is_finished else self.progress
-            return int(json.loads(told.read_bytes())["steps"])
-        except (OSError, ValueError, LookupError, TypeError):
+            return int(_RECORDS.read_json(told)["steps"])
+        except (ValueError, LookupError, TypeError):
             return 0
 
     def begin(self, recipe: Recipe, settings: Mapping[str, Any], facts: Mapping[str, Any]) -> None:
@@ -108,8 +154,10 @@ class RunFolder:
         """
         prepare_folder(self.path)
         versions = list_versions() | {name: version(name) for name in _PACKAGES}
-        write_json(self.run, {**facts, "settings": dict(settings), "versions": versions})
         text = require("yaml").safe_dump(to_plain(recipe.to_plain()), sort_keys=False, allow_unicode=True)
+        digest = hashlib.sha256(text.encode()).hexdigest()
+        described = {"settings": dict(settings), "versions": versions, "recipe_sha256": digest}
+        write_json(self.run, seal({**facts, **described}))
         write_file(self.config, text.encode())  # last: this file says that the folder holds a run
 
     def check_same(self, recipe: Recipe, settings: Mapping[str, Any]) -> None:
@@ -122,12 +170,7 @@ class RunFolder:
         Raises:
             RunFolderError: settings that differ, or settings of the folder that cannot be read.
         """
-        yaml = require("yaml")
-        try:
-            there = yaml.safe_load(self.config.read_text(encoding="utf-8"))
-            there |= json.loads(self.run.read_bytes())["settings"]
-        except (OSError, ValueError, LookupError, TypeError, yaml.YAMLError) as error:
-            raise RunFolderError(self.path, f"its settings cannot be read ({error})") from error
+        there = {**self.read_config(), **self.read_facts().settings}
         differences = _differences(there, to_plain({**recipe.to_plain(), **settings}))
         if differences:
             raise RunFolderError(
@@ -169,6 +212,12 @@ class RunFolder:
                     path.unlink()
 
 
+def _read(path: Path, kind: type[ContentT]) -> tuple[dict[str, Any], ContentT]:
+    """The content of one of the run's files as it is written, and with its declared types."""
+    content = unseal_or_former(path, _RECORDS.read_json(path))
+    return content, TypedReader(path).read(kind, content, "")
+
+
 def _differences(there: Mapping[str, Any], requested: Mapping[str, Any], prefix: str = "") -> list[str]:
     """Descriptions of the differences between two nested mappings."""
     found = []
@@ -177,5 +226,5 @@ def _differences(there: Mapping[str, Any], requested: Mapping[str, Any], prefix:
         if isinstance(old, Mapping) and isinstance(new, Mapping):
             found += _differences(old, new, f"{prefix}{key}.")
         elif old != new:
-            found.append(f"{prefix}{key} is {old!r} there and {new!r} here")
+            found.append(f"{prefix}{key} is {shortened(old)} there and {shortened(new)} here")
     return found

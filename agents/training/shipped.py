@@ -1,13 +1,13 @@
 """The agents that are shipped with the package: groups of training seeds, listed in `shipped.yml`."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import DataFileError, InvalidValueError, shortened
+from prp_gym.files import FileReader, TypedReader
 
 _LIST = Path(__file__).with_name("shipped.yml")
 
@@ -23,7 +23,7 @@ class ShippedGroup:
         seeds: number of training seeds, which are 0, 1, ...
 
     Raises:
-        InvalidValueError: a value of another type, no training seed, or too many.
+        InvalidValueError: no training seed, or too many.
     """
 
     environment: str
@@ -32,10 +32,7 @@ class ShippedGroup:
     seeds: int
 
     def __post_init__(self) -> None:
-        for name in ("environment", "algorithm", "action_mode"):
-            if not isinstance(getattr(self, name), str):
-                raise InvalidValueError(f"{name} of a group", getattr(self, name), "a text")
-        if type(self.seeds) is not int or not 1 <= self.seeds <= SEEDS:
+        if not 1 <= self.seeds <= SEEDS:
             raise InvalidValueError("seeds of a group", self.seeds, f"a whole number, 1 to {SEEDS}")
 
     def recipe(self, config: Path | None = None, overrides: Iterable[str] = ()) -> Recipe:
@@ -50,32 +47,19 @@ def read_groups(manifest: Path | None = None) -> tuple[ShippedGroup, ...]:
         manifest: path of the list, a YAML file; None for the list of the package.
 
     Raises:
-        InvalidValueError: a file that cannot be read or lists no group, an entry that is not a group, or a
-            group that is listed twice.
-        UnknownNameError: a key that a group does not have.
+        DataFileError: a file that cannot be read or lists no group, or an entry that is not a group.
+        InvalidValueError: a group that is listed twice.
         MissingPackageError: a package for learning is not installed.
     """
-    yaml = require("yaml")
-    where = str(manifest or _LIST.name)
-    try:
-        content = yaml.safe_load((manifest or _LIST).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InvalidValueError("manifest", where, f"a readable file in YAML ({error})") from error
+    require("yaml")
+    path = manifest or _LIST
+    content = FileReader().read_yaml(path)
     if not isinstance(content, list) or not content:
-        raise InvalidValueError(f"content of {where}", content, "a list of groups of agents")
-    groups = tuple(_group(entry, where) for entry in content)
+        raise DataFileError(path, f"holds {shortened(content)}; expected a list of groups of agents")
+    reader = TypedReader(path)
+    groups = tuple(reader.read(ShippedGroup, entry, f"[{n}]") for n, entry in enumerate(content))
     kinds = [(group.environment, group.algorithm, group.action_mode) for group in groups]
     for kind in kinds:
         if kinds.count(kind) > 1:
-            raise InvalidValueError(f"group in {where}", kind, "one that is listed once")
+            raise InvalidValueError(f"group in {path.name}", kind, "one that is listed once")
     return groups
-
-
-def _group(entry: Any, where: str) -> ShippedGroup:
-    names = [field.name for field in fields(ShippedGroup)]
-    if not isinstance(entry, dict) or not set(names) <= set(entry):
-        raise InvalidValueError(f"group in {where}", entry, f"{', '.join(names)} with their values")
-    for key in entry:
-        if key not in names:
-            raise UnknownNameError(f"key of a group in {where}", key, names)
-    return ShippedGroup(**entry)

@@ -27,6 +27,7 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import CurveRow, TrainingState
 from prp_gym.artifacts import write_json
 from prp_gym.errors import OutputError, RunFolderError
+from prp_gym.files import seal
 
 _TO_GO_ON = "To resume it, give --resume; to start over, --fresh"
 
@@ -166,7 +167,7 @@ def _learn(
     model = learner.model
     model.set_logger(_make_logger(job, folder))
     done = model.num_timesteps
-    write_json(folder.curve, state.plain_curve())  # without the rows after the last checkpoint
+    write_json(folder.curve, seal(state.plain_curve()))  # without the rows after the last checkpoint
     evaluations = Milestones(job.eval_every, done)
     checkpoints = Milestones(job.checkpoint_every or job.eval_every, done)
     with closing(HeldOutEpisodes(job.recipe, job.eval_episodes)) as held_out:

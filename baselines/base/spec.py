@@ -1,6 +1,5 @@
 """`ControllerSpec`, the declaration of a controller, and the registry of controllers."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -11,6 +10,7 @@ from prp_gym.baselines.base.policy import Baseline
 from prp_gym.baselines.base.settings import Settings
 from prp_gym.checks import instance
 from prp_gym.errors import GainsFileError
+from prp_gym.files import SETTINGS_SIZE, FileReader
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -157,11 +157,7 @@ def read_toml(file: Path) -> dict[str, Any]:
     Raises:
         GainsFileError: a file that cannot be read, or that is not TOML.
     """
-    try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else f"it is not TOML: {error}"
-        raise GainsFileError(file, str(reason or error)) from error
+    return FileReader(SETTINGS_SIZE, GainsFileError).read_toml(file)
 
 
 @cache

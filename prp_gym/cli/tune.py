@@ -19,6 +19,7 @@ from prp_gym.artifacts import list_versions, to_plain, write_json
 from prp_gym.cli.options import Plugins, Settings
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.files import seal
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice
@@ -98,7 +99,7 @@ def tune_command(
             tuned = _search(task, made, candidates, study)
             checked = _validate(made, candidates, tuned)
         result = _result(task, choice, tuned, episodes_to_run(made, task.episodes), checked)
-        write_json(folder / RESULT, asdict(result))
+        write_json(folder / RESULT, seal(asdict(result)))
     _show(result, folder / RESULT)
 
 

@@ -62,7 +62,7 @@ def digest(path: Path) -> str:
     """SHA-256 over the numbers and the card of an agent, by the path of its files without suffix."""
     found = hashlib.sha256()
     for suffix in (TENSORS, CARD):
-        content = Path(f"{path}{suffix}").read_bytes()
+        content = agent_file.read_content(Path(f"{path}{suffix}"))
         found.update(f"{suffix}\0{len(content)}\0".encode())
         found.update(content)
     return found.hexdigest()

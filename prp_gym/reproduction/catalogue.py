@@ -1,14 +1,16 @@
 """The experiments, read from the data files of this package; every name in them is checked."""
 
 import inspect
-import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any, TypeVar
 
 from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.files import FileReader
+from prp_gym.files.toml_text import parse_toml
 from prp_gym.reproduction import contact_predictions  # noqa: F401 - registers its formulas
 from prp_gym.reproduction.experiment import (
     Answer,
@@ -80,12 +82,12 @@ def load_catalogue() -> Catalogue:
         InvalidValueError: a value that is missing or does not fit.
     """
     folder = files("prp_gym.reproduction")
-    return read_catalogue([folder.joinpath(name).read_text(encoding="utf-8") for name in CHAPTERS])
+    return read_catalogue([FileReader().read_text(Path(str(folder.joinpath(name)))) for name in CHAPTERS])
 
 
 def read_catalogue(texts: Sequence[str]) -> Catalogue:
     """Experiments from the texts of data files; see `load_catalogue`."""
-    chapters = [tomllib.loads(text) for text in texts]
+    chapters = [parse_toml(text) for text in texts]
     rows = [row for table in chapters for row in _entry(table, "runs", dict, "a chapter").items()]
     _check_unique("run", [name for name, _ in rows])
     runs = {name: _run(name, row) for name, row in rows}

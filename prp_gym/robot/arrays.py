@@ -1,7 +1,7 @@
 """Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions.
 
-Sums over components are written out in their order, so that their rounding depends neither on the CPU nor on a
-library of linear algebra, the memory layout or the number of rows.
+Sums over components are written out in their order. Their rounding depends neither on the CPU nor on a library of
+linear algebra, the memory layout or the number of rows.
 """
 
 import math

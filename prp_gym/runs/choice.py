@@ -1,13 +1,14 @@
 """`ControllerChoice`: a controller and its gains as plain text, as jobs and results hold it."""
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from prp_gym.errors import GainsFileError, InvalidValueError
+from prp_gym.errors import DataTextError, GainsFileError, InvalidValueError
+from prp_gym.files import SETTINGS_SIZE, FileReader
+from prp_gym.files.toml_text import parse_toml
 
 TUNED = "tuned"
 _TOML = ".toml"
@@ -43,18 +44,15 @@ class GainsChoice:
         if not gains.endswith(_TOML):
             return cls(gains, "", single)
         path = Path(gains)
-        try:
-            content = path.read_text(encoding="utf-8")
-            tomllib.loads(content)
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else f"it is not TOML: {error}"
-            raise GainsFileError(path, str(reason)) from error
+        reader = FileReader(SETTINGS_SIZE, GainsFileError)
+        content = reader.read_text(path)
+        reader.parse_toml(path, content)
         return cls(path.name, content, single)
 
     @property
     def values(self) -> str | Mapping[str, Any]:
         """The name of the gain set, or what the file holds."""
-        return tomllib.loads(self.toml) if self.toml else self.name
+        return parse_toml(self.toml) if self.toml else self.name
 
     @property
     def overrides(self) -> dict[str, Any]:
@@ -97,8 +95,11 @@ def _split(text: str) -> tuple[str, str]:
 
 
 def _value(text: str) -> Any:
+    allowed = "a value in TOML, such as 200, [1.0, 2.0] or 'text'"
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except ValueError as error:
-        allowed = f"a value in TOML, such as 200, [1.0, 2.0] or 'text' ({error})"
-        raise InvalidValueError("value of --set", text, allowed) from error
+        table = parse_toml(f"value = {text}")
+    except DataTextError as error:
+        raise InvalidValueError("value of --set", text, f"{allowed} ({error.what})") from error
+    if set(table) != {"value"}:
+        raise InvalidValueError("value of --set", text, f"{allowed}, alone")
+    return table["value"]

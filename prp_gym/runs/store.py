@@ -1,14 +1,13 @@
 """Records of finished jobs, kept as files until the run to which they belong is complete."""
 
-import hashlib
-import json
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
-from prp_gym.artifacts import read_json, to_plain, write_json
+from prp_gym.artifacts import write_json
+from prp_gym.files import RECORD_SIZE, FileReader, seal
 from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.code import running_code
 from prp_gym.runs.job import Job, Record
@@ -37,7 +36,7 @@ class JobStore:
             if not path.exists():
                 continue
             try:
-                content = read_json(path)
+                content = FileReader(RECORD_SIZE).read_json(path)
                 if content != _content(job, content["record"]):
                     raise ValueError(path)
                 records[job] = content["record"]
@@ -70,8 +69,4 @@ class JobStore:
 def _content(job: Job, record: Record) -> dict[str, Any]:
     """What the file of a job with this record holds."""
     key = {"job": asdict(job), "code": running_code()}
-    text = json.dumps(record, sort_keys=True)
-    plain: dict[str, Any] = to_plain(
-        {"key": key, "checksum": hashlib.sha256(text.encode()).hexdigest(), "record": record}
-    )
-    return plain
+    return seal({"key": key, "record": record})

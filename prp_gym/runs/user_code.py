@@ -15,7 +15,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NoReturn, Self
 
-from prp_gym.errors import InvalidValueError, MissingFieldError, PRPError, UserCodeError
+from prp_gym.errors import DataFileError, InvalidValueError, MissingFieldError, PRPError, UserCodeError
+from prp_gym.files import RECORD_SIZE, FileReader
 from prp_gym.plugins import digest_module, error_line, error_reason, search_current_folder
 
 _FILE = ".py"
@@ -202,9 +203,9 @@ def _shown(module: ModuleType, source: str) -> str:
 
 def _read(path: Path) -> bytes:
     try:
-        return path.read_bytes()
-    except OSError as error:
-        allowed = f"a file that can be read ({error.strerror})"
+        return FileReader(RECORD_SIZE).read_bytes(path)
+    except DataFileError as error:
+        allowed = f"a file that can be read ({error.what})"
         raise InvalidValueError("file of a controller", str(path), allowed) from error
 
 

@@ -1,12 +1,12 @@
 """What the parts of a task are made from: the numbers of its data file, its scenario, keywords and period."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+from prp_gym.files import FileReader
 from prp_gym.tasks.reward import RewardTerm
 from prp_gym.tasks.scenario import Range, Scenario
 
@@ -28,7 +28,11 @@ class TaskNumbers:
 
     @classmethod
     def read(cls, path: Path) -> "TaskNumbers":
-        """Read a TOML file: tables `reward` and `constants`, and one for each kind of draws."""
+        """Read a TOML file: tables `reward` and `constants`, and one for each kind of draws.
+
+        Raises:
+            DataFileError: a file that cannot be read, or that is not TOML.
+        """
         table = _read_table(path)
         reward = tuple(RewardTerm.from_table(name, row) for name, row in table["reward"].items())
         ranges = {
@@ -41,7 +45,7 @@ class TaskNumbers:
 
 @cache
 def _read_table(path: Path) -> dict[str, Any]:
-    return tomllib.loads(path.read_text(encoding="utf-8"))
+    return FileReader().read_toml(path)
 
 
 @dataclass(frozen=True)

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from prp_gym.artifacts import prepare_folder, require_folder
-from prp_gym.errors import InvalidValueError, MissingPackageError, OutputError
+from prp_gym.errors import DataFileError, InvalidValueError, MissingPackageError, OutputError
+from prp_gym.files.checksum import KEY
 from prp_gym.tuning.candidates import Space
+from prp_gym.tuning.journal import JOURNAL, KEY_OF_SEARCH, STUDY_NAME, read_key, trial_checksum
 from prp_gym.tuning.local_step import is_local, local_step
 from prp_gym.tuning.trial import Trial
 
 if TYPE_CHECKING:
     import optuna
-
-JOURNAL = "study.log"
-_NAME = "tuning"
-_KEY = "key"
 
 
 class _LockOfFolder:
@@ -57,15 +56,17 @@ class StoredStudy:
     Raises:
         MissingPackageError: Optuna is not installed.
         InvalidValueError: there are trials, and they are not to be resumed, or have another key.
+        DataFileError: a journal that is damaged or altered; it is left as it is.
         OutputError: the folder cannot be made or written to.
     """
 
     def __init__(self, folder: Path, space: Space, key: Mapping[str, Any], seed: int, resume: bool) -> None:
         self._optuna = _import_optuna()
-        self._space, self._seed = space, seed
+        self._space, self._seed, self._key = space, seed, dict(key)
         self._study = self._optuna.create_study(direction="maximize")
         self._journal = self._open_journal(folder, resume)
-        self._check_key(key, folder)
+        if not self._journal.user_attrs:
+            self._journal.set_user_attr(KEY_OF_SEARCH, self._key)
         self._study.add_trials(self._journal.get_trials(deepcopy=False))
         self.trials = [_read(trial) for trial in self._study.get_trials(deepcopy=False)]
 
@@ -96,39 +97,52 @@ class StoredStudy:
         finished = self._study.tell(self._open, score)
         try:
             require_folder(self._path.parent)
-            self._journal.add_trial(finished)
+            self._journal.add_trial(self._sealed(finished))
         except OSError as error:  # a line that was not written to its end is taken away by the next run
             raise OutputError(self._path, error) from error
         self.trials.append(_read(finished))
         return self.trials[-1]
+
+    def _sealed(self, finished: optuna.trial.FrozenTrial) -> optuna.trial.FrozenTrial:
+        """A finished trial with a checksum among its attributes."""
+        to_json = self._optuna.distributions.distribution_to_json
+        distributions = {name: to_json(item) for name, item in finished.distributions.items()}
+        attributes = finished.user_attrs
+        digest = trial_checksum(finished.values[0], finished.params, distributions, attributes)
+        sealed = copy(finished)
+        sealed.user_attrs = {**attributes, KEY: digest}
+        return sealed
 
     def _open_journal(self, folder: Path, resume: bool) -> optuna.Study:
         path = self._path = folder / JOURNAL
         if path.exists() and not resume:
             raise InvalidValueError("output", str(folder), "a folder without a search, or --resume to go on")
         prepare_folder(folder)
+        kept = read_key(path, self._space) if path.exists() else {}
+        if kept and kept != self._key:
+            names = sorted(
+                name for name in kept.keys() | self._key.keys() if kept.get(name) != self._key.get(name)
+            )
+            there, here = ({name: known.get(name) for name in names} for known in (kept, self._key))
+            raise InvalidValueError(f"search in {str(folder)!r}", there, f"to resume one of {here}")
         try:
             _repair(path)
-            backend = self._optuna.storages.journal.JournalFileBackend(str(path), _LockOfFolder())
-            study: optuna.Study = self._optuna.create_study(
-                storage=self._optuna.storages.JournalStorage(backend),
-                study_name=_NAME,
-                direction="maximize",
-                load_if_exists=True,
-            )
+            return self._replay(path)
         except OSError as error:
             raise OutputError(path, error) from error
-        return study
+        except Exception as error:  # Optuna raises any exception about a part that it alone reads
+            reason = f"Optuna cannot read it ({type(error).__name__}: {error})"
+            raise DataFileError(path, reason, "It is left as it is; to search anew, move it away") from error
 
-    def _check_key(self, key: Mapping[str, Any], folder: Path) -> None:
-        """Keep the key of a new study; refuse the trials of another."""
-        kept = self._journal.user_attrs.get(_KEY)
-        if kept is None:
-            self._journal.set_user_attr(_KEY, dict(key))
-        elif kept != key:
-            names = sorted(name for name in kept.keys() | key.keys() if kept.get(name) != key.get(name))
-            there, here = ({name: known.get(name) for name in names} for known in (kept, key))
-            raise InvalidValueError(f"search in {str(folder)!r}", there, f"to resume one of {here}")
+    def _replay(self, path: Path) -> optuna.Study:
+        backend = self._optuna.storages.journal.JournalFileBackend(str(path), _LockOfFolder())
+        study: optuna.Study = self._optuna.create_study(
+            storage=self._optuna.storages.JournalStorage(backend),
+            study_name=STUDY_NAME,
+            direction="maximize",
+            load_if_exists=True,
+        )
+        return study
 
 
 def _read(trial: optuna.trial.FrozenTrial) -> Trial:

@@ -1,16 +1,17 @@
 """Tuned controllers as files: the settings that a search found, and the policies made from them."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from prp_gym.artifacts import read_json
 from prp_gym.baselines import CONTROLLERS, Baseline, ControlInterface, make_baseline
-from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
+from prp_gym.errors import DataFileError, InvalidValueError, PRPError, UnknownNameError
+from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, unseal_or_former
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
@@ -125,43 +126,46 @@ def load_tuned_controller(name_or_path: str | Path) -> TunedController:
 
     Raises:
         UnknownNameError: neither a name nor a file.
-        InvalidValueError: a file that does not hold a tuned controller; it says where.
+        DataFileError: a file that does not hold a tuned controller; it says where.
     """
     path = _shipped().get(str(name_or_path), Path(name_or_path))
-    if not path.is_file():
+    if not os.path.exists(path) or path.is_dir():
         raise UnknownNameError("tuned controller", str(name_or_path), _shipped())
-    return read_tuned_controller(read_json(path), f"file {str(path)!r}")
+    content = unseal_or_former(path, FileReader(RECORD_SIZE).read_json(path))
+    return read_tuned_controller(content, path)
 
 
-def read_tuned_controller(content: Any, where: str) -> TunedController:
+def read_tuned_controller(content: Any, path: Path) -> TunedController:
     """A tuned controller from the content of its file.
 
     Args:
-        content: content of the file as parsed JSON.
-        where: origin of the content, for errors.
+        content: content of the file as parsed JSON, without its checksum.
+        path: path of the file, for messages.
 
     Raises:
-        InvalidValueError: a field that is missing, unknown, of another type, or not allowed.
+        DataFileError: a field that is missing, unknown, of another type, or not allowed.
     """
-    values = _read(TunedController, content, where)
-    values["validation"] = Validation(**_read(Validation, values["validation"], f"validation of {where}"))
-    valid = {"environment": list_envs(), "scenario": list(SCENARIOS)}
-    if not values.get("code"):
-        valid["controller"] = list(CONTROLLERS)
-    for name, names in valid.items():
-        if values[name] not in names:
-            raise InvalidValueError(f"{name} of {where}", values[name], f"one of {', '.join(names)}")
-    values["history"] = _history(values["history"], where)
-    if not values.get("code"):
-        _check_settings(values["controller"], values["settings"], where)
-    return TunedController(**values)
-
-
-def _check_settings(controller: str, settings: Mapping[str, Any], where: str) -> None:
+    found = TypedReader(path).read(TunedController, content, "")
     try:
-        CONTROLLERS.find(controller).settings_class.from_mapping(controller, settings)
+        _check(found)
     except (PRPError, TypeError) as error:
-        raise InvalidValueError(f"settings of {where}", settings, str(error)) from error
+        raise DataFileError(path, str(error).removesuffix(".")) from error
+    return found
+
+
+def _check(found: TunedController) -> None:
+    """Refuse names that are not declared, and settings that the controller refuses."""
+    valid: dict[str, Iterable[str]] = {"environment": list_envs(), "scenario": SCENARIOS}
+    if not found.code:
+        valid["controller"] = CONTROLLERS
+    for name, names in valid.items():
+        if getattr(found, name) not in names:
+            raise UnknownNameError(name, getattr(found, name), names)
+    if not found.history:
+        raise InvalidValueError("history", found.history, "at least one row of steps and score")
+    if not found.code:
+        kind = CONTROLLERS.find(found.controller).settings_class
+        kind.from_mapping(found.controller, found.settings)
 
 
 @cache
@@ -174,37 +178,3 @@ def _shipped() -> dict[str, Path]:
         for controller in CONTROLLERS
         if (path := folder / f"{environment_id}_{controller}.json").is_file()
     }
-
-
-_KINDS: Mapping[Any, tuple[type, ...]] = {
-    str: (str,),
-    int: (int,),
-    float: (int, float),
-    tuple[tuple[int, float], ...]: (list,),
-}
-"""What JSON has for a field's type; an object for every other type."""
-
-
-def _read(kind: type[Any], content: Any, where: str) -> dict[str, Any]:
-    """The fields of a dataclass, none unknown and none missing without a default, of their types."""
-    names = {entry.name for entry in fields(kind)}
-    needed = {entry.name for entry in fields(kind) if entry.default_factory is MISSING}
-    if not isinstance(content, dict) or not needed <= set(content) <= names:
-        found = sorted(content) if isinstance(content, dict) else type(content).__name__
-        raise InvalidValueError(where, found, f"exactly the fields {', '.join(sorted(names))}")
-    for entry in (entry for entry in fields(kind) if entry.name in content):
-        value, allowed = content[entry.name], _KINDS.get(entry.type, (dict,))
-        if isinstance(value, bool) or not isinstance(value, allowed):
-            expected = " or ".join(item.__name__ for item in allowed)
-            raise InvalidValueError(f"{entry.name} of {where}", value, expected)
-    return dict(content)
-
-
-def _history(rows: Sequence[Any], where: str) -> tuple[tuple[int, float], ...]:
-    valid = all(
-        isinstance(row, list) and len(row) == 2 and type(row[0]) is int and type(row[1]) in (int, float)
-        for row in rows
-    )
-    if not (rows and valid):
-        raise InvalidValueError(f"history of {where}", rows, "at least one row of steps and score")
-    return tuple((steps, float(score)) for steps, score in rows)

@@ -91,7 +91,7 @@ def test_task_s_target_impedance_replaces_no_gains_of_one_s_own() -> None:
     ("text", "what"),
     [
         (None, "No such file or directory"),
-        ("proportional_gain = ", "it is not TOML"),
+        ("proportional_gain = ", "cannot be read as TOML"),
         (
             "proportional_gian = 1.0",
             "unknown setting of controller 'joint_pd' 'proportional_gian'. Did you mean",
@@ -125,9 +125,9 @@ def test_file_that_cannot_be_used_is_named_with_the_reason(
 
 def test_folder_and_bytes_that_are_no_text_are_no_file_of_gains(env: Any, tmp_path: Path) -> None:
     (tmp_path / "latin.toml").write_bytes(b"source = '\xe9'")
-    with pytest.raises(GainsFileError, match="it is not TOML"):
+    with pytest.raises(GainsFileError, match="is not text in UTF-8"):
         make_baseline("joint_pd", env, tmp_path / "latin.toml")
-    with pytest.raises(GainsFileError, match="Is a directory"):
+    with pytest.raises(GainsFileError, match="is a directory"):
         make_baseline("joint_pd", env, tmp_path)
 
 
@@ -205,7 +205,7 @@ def test_missing_field_is_said_of_the_declared_name() -> None:
     ("text", "what"),
     [
         (None, "No such file or directory"),
-        ("[gains", "it is not TOML"),
+        ("[gains", "cannot be read as TOML"),
         ("[gain.tuned]\nstiffness = 1.0", "unknown table 'gain'; allowed: gains, search"),
         ("[gains]\nstiffness = 1.0", "'gains' must hold tables"),
         ("search = 1", "'search' must hold tables"),

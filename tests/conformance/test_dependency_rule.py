@@ -20,7 +20,7 @@ PACKAGES = {
 """Folder in the repository, and the name under which it is imported."""
 
 CORE_PACKAGES = (
-    *("errors", "checks", "registry", "artifacts", "plugins", "processes"),
+    *("errors", "checks", "registry", "artifacts", "files", "plugins", "processes"),
     *("robot", "physics", "tasks", "evaluation"),
 )
 """They import each other alone."""
@@ -46,6 +46,7 @@ MORE_THIRD_PARTY = {
     "cli": {"rich", "typer"},
     "comparison": {"matplotlib", "rich"},
     "evaluation": {"rich"},
+    "files": {"yaml"},
     "reproduction": {"matplotlib", "rich"},
     "runs": {"cloudpickle", "joblib", "ray", "rich"},
     "tuning": {"optuna"},

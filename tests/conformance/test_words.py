@@ -88,7 +88,16 @@ WORDS = (
     Word("pace[sd]?", "rate scaling"),
     Word("files without code|without pickle", "pickle-free files"),
     Word("pictures?", "frame, image or figure: what it is"),
-    Word("marks?", "overlay", (r"pytest\.mark", r"marks(?==)", "(question|quotation|check) marks?")),
+    Word(
+        "marks?",
+        "overlay",
+        (
+            r"pytest\.mark",
+            r"marks(?==)",
+            "(question|quotation|check|byte order) marks?",
+            "(start|end|problem) mark",
+        ),
+    ),
     Word("(at )?(the|its|a period's) begin|begin of", "start of"),
     Word(
         "(actions?|steps?|times|periods?|samples?|frames?|iterations?|transitions?|renewals?) a second",
@@ -105,7 +114,7 @@ FORMER_NAMES: dict[str, tuple[str, ...]] = {
     "CHANGELOG.md": ("make pictures", "`truth`"),
     "envs/loop_environment.py": ("def truth", "env.truth"),
     "tests/envs/test_former_names.py": ("test_truth", "env.truth"),
-    "agents/policy/strict_json.py": ("object_pairs_hook",),
+    "prp_gym/files/json_text.py": ("object_pairs_hook",),
 }
 """Names that stay for a release with a `DeprecationWarning`, by the file that may still write them."""
 

@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from prp_gym.artifacts import prepare_folder, read_json, to_array, to_plain, write_json
-from prp_gym.errors import InvalidValueError, OutputError
+from prp_gym.artifacts import prepare_folder, to_array, to_plain, write_json
+from prp_gym.errors import OutputError
+from prp_gym.files import FileReader
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
 NUMBERS = st.floats() | st.integers() | st.booleans() | st.none() | st.text(max_size=5)
@@ -157,33 +158,10 @@ def test_writing_that_fails_leaves_the_old_file_and_nothing_else(
     assert [entry.name for entry in tmp_path.iterdir()] == ["results.json"]
 
 
-@pytest.mark.parametrize(
-    ("content", "reason"),
-    [
-        (b"", "Expecting value"),
-        (b'{"a": ', "Expecting value"),
-        (b'{"a": NaN}', "NaN is not a number of strict JSON"),
-        (b"[-Infinity]", "-Infinity is not a number of strict JSON"),
-        (b'"\xe9"', "codec can't decode"),
-        (b"[" * 100_000, "recursion"),
-    ],
-)
-def test_file_that_is_not_strict_json_is_refused(tmp_path: Path, content: bytes, reason: str) -> None:
-    path = tmp_path / "content.json"
-    path.write_bytes(content)
-    with pytest.raises(InvalidValueError, match=rf"content\.json' is .*{reason}.*; allowed: strict JSON"):
-        read_json(path)
-
-
-def test_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidValueError, match="No such file"):
-        read_json(tmp_path / "nothing.json")
-
-
 def test_content_reads_back_as_it_was_written(tmp_path: Path) -> None:
     content = {"a": [1, 0.1, None, "inf"], "b": {"c": "é"}}
     write_json(tmp_path / "content.json", content)
-    assert read_json(tmp_path / "content.json") == content
+    assert FileReader().read_json(tmp_path / "content.json") == content
 
 
 def test_folder_is_made_and_left_empty(tmp_path: Path) -> None:

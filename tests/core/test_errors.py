@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from prp_gym.errors import (
     AgentFileError,
     CheckpointError,
+    DataFileError,
+    DataTextError,
     EpisodeError,
     GainsFileError,
     InvalidValueError,
@@ -50,6 +52,8 @@ WITH_FACTS = [
     RunFolderError("runs/seed_0", "it holds an unfinished run"),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
+    DataFileError("result.json", "is a directory", "Move it away"),
+    DataTextError("YAML", "it has more than 32 levels"),
     GainsFileError("my.toml", "No such file or directory"),
     PluginError("my_tasks", "no such module", "my_tasks.py", 3),
     UserCodeError("my_controller.py", 12, "ValueError: no gains", "PRP-Force-v0"),

@@ -274,7 +274,7 @@ def test_gains_file_that_does_not_fit_names_file_and_controller() -> None:
     with pytest.raises(GainsFileError, match=r"gains.toml.*setting of controller 'function' 'stifness'"):
         raise run_evaluate("own/mine.py:function", "--gains", "gains.toml").exception
     Path("gains.toml").write_text("stiffness = = 3.0\n")
-    with pytest.raises(GainsFileError, match=r"gains.toml.*not TOML"):
+    with pytest.raises(GainsFileError, match=r"gains.toml.*cannot be read as TOML"):
         raise run_evaluate("own/mine.py:function", "--gains", "gains.toml").exception
 
 

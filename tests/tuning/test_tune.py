@@ -19,8 +19,8 @@ from prp_gym.baselines import make_baseline
 from prp_gym.errors import InvalidValueError, MissingPackageError
 from prp_gym.evaluation import evaluate
 from prp_gym.tuning import SearchSpace, StoredStudy, Trial, Tuned, TuningTask, make_candidates, tune
+from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.local_step import is_local, local_step, step_length
-from prp_gym.tuning.stored_study import JOURNAL
 
 ENVIRONMENT = "PRP-Compliance-v0"
 STEPS, EPISODES = 20, 3

@@ -12,7 +12,7 @@ import pytest
 
 from prp_gym.artifacts import write_json
 from prp_gym.baselines import CONTROLLERS, make_baseline
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import DataFileError, InvalidValueError, UnknownNameError
 from prp_gym.tuning import TunedController, Validation, list_tuned_controllers, load_tuned_controller
 from prp_gym.tuning import tuned_controller as module
 
@@ -120,14 +120,14 @@ def test_file_that_is_not_one_of_a_tuned_controller_is_refused_with_its_name(pat
     content = json.loads(path.read_text(encoding="utf-8"))
     REFUSED[case](content)
     path.write_text(json.dumps(content), encoding="utf-8")
-    with pytest.raises(InvalidValueError, match=r"file '.*result\.json' is .*; allowed: "):
+    with pytest.raises(DataFileError, match=r"^file '.*result\.json': "):
         load_tuned_controller(path)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1]", "3", '{"score": NaN}', "\x00\xff"])
 def test_file_that_is_no_json_object_is_refused(path: Path, text: str) -> None:
     path.write_bytes(text.encode("latin-1"))
-    with pytest.raises(InvalidValueError, match=r"file '.*result\.json' is "):
+    with pytest.raises(DataFileError, match=r"^file '.*result\.json': "):
         load_tuned_controller(path)
 
 

@@ -17,7 +17,7 @@ from prp_gym.agents.sb3.actors import read_gaussian_actor, read_squashed_actor
 from prp_gym.agents.training.recipes import load_recipe
 from prp_gym.agents.training.train import train
 from prp_gym.cli.main import app
-from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
+from prp_gym.errors import DataFileError, InvalidValueError, MissingPackageError, UnknownNameError
 from tests.conformance.test_public_api import in_fresh_python
 from tests.support.training_runs import ID, TINY, tiny_job
 
@@ -112,9 +112,7 @@ def test_name_that_is_taken_is_refused(foreign: AlgorithmSpec) -> None:
 
 def test_recipe_file_that_does_not_exist_is_named(foreign: AlgorithmSpec) -> None:
     foreign.recipes.unlink()
-    with pytest.raises(
-        InvalidValueError, match=r"config is 'cautious\.yml'; allowed: a readable file in YAML"
-    ):
+    with pytest.raises(DataFileError, match=r"cautious\.yml': cannot be opened: No such file"):
         load_recipe(foreign.name, ID)
 
 
@@ -139,12 +137,13 @@ def test_scope_decides_what_a_recipe_may_set() -> None:
     plain = declared("stable_baselines3", "SAC")
     scope = RecipeScope(("CnnPolicy",), replay_buffer=True, excluded=frozenset({"tau", "gamma"}))
     scoped = declared("stable_baselines3", "SAC", scope)
-    assert plain.setting_names() - scoped.setting_names() == {"tau", "gamma"}
-    assert scoped.setting_names() - plain.setting_names() == {"noise_type", "noise_std"}
-    assert "net_arch" in scoped.policy_setting_names("CnnPolicy")
+    assert set(plain.settings()) - set(scoped.settings()) == {"gamma"}
+    assert {"noise_type", "noise_std", "buffer_size"} <= set(scoped.settings()) - set(plain.settings())
+    assert "tau" not in scoped.settings()
+    assert "net_arch" in scoped.policy_settings("CnnPolicy")
     with pytest.raises(UnknownNameError, match=r"unknown policy 'MlpPolicy'. Did you mean 'CnnPolicy'"):
-        scoped.policy_setting_names("MlpPolicy")
-    assert "net_arch" in plain.policy_setting_names("MlpPolicy")
+        scoped.policy_settings("MlpPolicy")
+    assert "net_arch" in plain.policy_settings("MlpPolicy")
 
 
 @pytest.mark.parametrize("name", ["ppo", "recurrent_ppo", "sac", "td3", "tqc"])

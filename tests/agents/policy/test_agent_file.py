@@ -95,7 +95,7 @@ def test_agent_that_could_not_be_read_again_is_not_written(tmp_path: Path) -> No
     with pytest.raises(AgentFileError, match=r"tensor 'normalizer\.epsilon' has NaN or infinity"):
         save_agent(broken, tmp_path / "agent")
     card = replace(policy.card, run=replace(policy.card.run, command="\ud800"))
-    with pytest.raises(AgentFileError, match="is not a JSON file"):
+    with pytest.raises(AgentFileError, match="is not text in UTF-8"):
         save_agent(LearnedPolicy(card, policy.normalizer, policy.network), tmp_path / "agent")
     assert list(tmp_path.iterdir()) == []
 
@@ -116,7 +116,7 @@ def test_missing_file_is_told(saved: Path) -> None:
     assert f"{tensors}': is missing; an agent is two files" in refusal(str(saved))
     assert "is missing" in refusal(saved.parent / "other")
     tensors.mkdir()
-    assert "cannot be read: Is a directory" in refusal(saved)
+    assert "is a directory; only a regular file is read" in refusal(saved)
 
 
 @pytest.fixture

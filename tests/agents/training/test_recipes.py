@@ -11,7 +11,7 @@ from prp_gym import list_envs
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.sb3.arguments import constructor_arguments, parse_schedule
 from prp_gym.agents.training.recipes import EPISODES_A_SEED, FIRST_HELD_OUT_SEED, SEEDS, load_recipe
-from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
+from prp_gym.errors import DataFileError, InvalidValueError, PRPError, UnknownNameError
 
 ID = "PRP-Force-v0"
 LAYERS = """
@@ -210,7 +210,7 @@ def test_file_that_is_no_set_of_recipes_is_refused(tmp_path: Path, content: str)
 
 
 def test_missing_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidValueError, match=r"nothing\.yml"):
+    with pytest.raises(DataFileError, match=r"nothing\.yml"):
         load_recipe("ppo", ID, config=tmp_path / "nothing.yml")
 
 

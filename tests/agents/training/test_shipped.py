@@ -65,18 +65,18 @@ GOOD = "{environment: PRP-Adaptive-v0, algorithm: ppo, action_mode: torque, seed
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "is None; allowed: a list of groups"),
-        ("[]", r"is \[\]; allowed: a list of groups"),
-        ("groups: 3", "allowed: a list of groups"),
-        ("- [", "a readable file in YAML"),
-        ("- ppo", "environment, algorithm, action_mode, seeds with their values"),
-        (f"- {GOOD.replace(', seeds: 2', '')}", "environment, algorithm, action_mode, seeds"),
-        (f"- {GOOD.replace('}', ', seed: 3}')}", "unknown key of a group in .*'seed'. Did you mean 'seeds'"),
+        ("", "holds None; expected a list of groups"),
+        ("[]", r"holds \[\]; expected a list of groups"),
+        ("groups: 3", "expected a list of groups"),
+        ("- [", "cannot be read as YAML"),
+        ("- ppo", "is 'ppo'; expected an object"),
+        (f"- {GOOD.replace(', seeds: 2', '')}", r"key '\[0\]\.seeds' is missing"),
+        (f"- {GOOD.replace('}', ', seed: 3}')}", r"key '\[0\]\.seed' is unknown; did you mean 'seeds'"),
         (f"- {GOOD}\n- {GOOD.replace('2', '3')}", "one that is listed once"),
         (f"- {GOOD.replace('2', '0')}", "seeds of a group is 0"),
         (f"- {GOOD.replace('2', '500')}", "seeds of a group is 500"),
-        (f"- {GOOD.replace('2', 'true')}", "seeds of a group is True"),
-        (f"- {GOOD.replace('torque', '3')}", "action_mode of a group is 3"),
+        (f"- {GOOD.replace('2', 'true')}", r"seeds' is True; expected a whole number"),
+        (f"- {GOOD.replace('torque', '3')}", r"action_mode' is 3; expected text"),
     ],
 )
 def test_list_that_is_none_is_refused(tmp_path: Path, text: str, told: str) -> None:

@@ -16,6 +16,7 @@ from prp_gym.agents.training.model import make_learner
 from prp_gym.agents.training.recipes import load_recipe
 from prp_gym.agents.training.train import TrainingJob, train
 from prp_gym.errors import InvalidValueError, PRPError
+from prp_gym.files import seal
 from tests.support.training_runs import ID, assert_same_weights, read, tiny_job, weights_of
 
 LEARNING: dict[str, tuple[str, ...]] = {
@@ -72,7 +73,7 @@ def test_run_folder_holds_what_was_used_and_what_came_out(tmp_path: Path, algori
     run, rows = read(job.folder / "run.json"), read(job.folder / "curve.json")["rows"]
     assert (run["environment"], run["seed"], run["command"]) == (ID, 0, "prp-gym train")
     assert {"prp-gym", "torch", "stable-baselines3", "sb3-contrib"} <= set(run["versions"])
-    assert result == read(job.folder / "result.json")
+    assert seal(result) == read(job.folder / "result.json")
     assert result["steps"] == rows[-1]["steps"] >= job.recipe.n_timesteps
     assert [row["steps"] // 128 for row in rows] == list(range(1, job.recipe.n_timesteps // 128 + 1)) + (
         [] if rows[-1]["steps"] % 128 == 0 else [rows[-1]["steps"] // 128]
