@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-_LONGEST_VALUE = 400  # characters of a value in a message
 _LONGEST_NAME = 100  # characters; a longer text is no misspelt name
 _MOST_BITS = 512  # of an integer that is written out
 _MOST_BYTES = 512  # of an array that is written out
@@ -131,7 +130,7 @@ class InvalidValueError(PRPError, ValueError):
         self.value = value
         self.allowed = allowed
         self.unit = unit
-        shown = f"{shortened(value, _LONGEST_VALUE)} {unit}".rstrip()
+        shown = f"{shortened(value)} {unit}".rstrip()
         super().__init__(f"{what} is {shown}; allowed: {allowed}.")
 
 
