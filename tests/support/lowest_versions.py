@@ -1,6 +1,7 @@
 """Prints the lowest declared version of every dependency, as constraints for pip.
 
-Pinocchio is left out: each of its versions admits a single minor version of NumPy. Tests that need it are skipped.
+Pinocchio is left out: each of its versions admits a single minor version of NumPy. Tests that need it are
+skipped.
 """
 
 import tomllib

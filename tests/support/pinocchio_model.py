@@ -1,7 +1,7 @@
 """The arm built with Pinocchio's own functions from numbers written here: an oracle for the closed form.
 
-Where Pinocchio cannot be installed, beside the lowest versions or on a new Python, tests that
-need it are skipped.
+Where Pinocchio cannot be installed, beside the lowest versions or on a new Python, tests that need it are
+skipped.
 """
 
 import math
