@@ -3,10 +3,16 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
+LOWEST := .venv-lowest
+# What depends on the versions of other packages; the rest tests this package's own files, commands and pages.
+LOWEST_TESTS ?= tests/action_modes tests/agents tests/baselines tests/conformance/test_environments.py \
+	tests/conformance/test_registration.py tests/conformance/test_vector_wrappers.py \
+	tests/conformance/test_wrappers.py tests/core tests/envs tests/evaluation tests/physics tests/robot \
+	tests/runs tests/tasks tests/tuning
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
-.PHONY: install evaluate reproduce test mutants lint type bench peers docs frames sweep train compare clean
+.PHONY: install evaluate reproduce test test-lowest mutants lint type bench peers docs frames sweep train compare clean
 
 install: $(VENV)/.core
 
@@ -18,6 +24,9 @@ reproduce: $(VENV)/.core
 
 test: $(VENV)/.dev
 	$(BIN)/python -m pytest -n auto --dist worksteal
+
+test-lowest: $(LOWEST)/.tests
+	$(LOWEST)/bin/python -m pytest $(LOWEST_TESTS)
 
 mutants: $(VENV)/.dev
 	$(BIN)/python -m bench.mutants
@@ -52,7 +61,7 @@ frames: $(VENV)/.dev
 	$(BIN)/python -m docs.frames
 
 clean:
-	rm -rf $(VENV) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison
+	rm -rf $(VENV) $(LOWEST) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -67,4 +76,13 @@ $(VENV)/.agents: $(VENV)/.core
 
 $(VENV)/.dev: $(VENV)/.core
 	$(PIP) --editable '.[dev]'
+	@touch $@
+
+# The lowest declared version of every dependency; what these need is taken at its newest version.
+$(LOWEST)/.tests: pyproject.toml tests/support/lowest_versions.py
+	rm -rf $(LOWEST)
+	$(PYTHON) -m venv $(LOWEST)
+	$(PYTHON) -m tests.support.lowest_versions > $(LOWEST)/constraints.txt
+	$(LOWEST)/bin/python -m pip install --quiet --disable-pip-version-check -c $(LOWEST)/constraints.txt \
+		--editable . $$(cut -d= -f1 $(LOWEST)/constraints.txt)
 	@touch $@

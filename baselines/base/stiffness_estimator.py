@@ -1,5 +1,6 @@
 """The stiffness of a surface, estimated online from the force and the position of the tip in contact."""
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -50,7 +51,7 @@ class StiffnessEstimator:
     @property
     def retention(self) -> float:
         """Factor by which a weight decays in one period."""
-        return float(np.exp(-self.period / self.forgetting_time))
+        return math.exp(-self.period / self.forgetting_time)
 
     def begin(self, shape: tuple[int, ...]) -> Array:
         """An empty memory (*shape, 5), without a measurement."""

@@ -1,10 +1,11 @@
 """Conversion and shape checks of joint vectors and tip positions, and products over leading dimensions.
 
-Sums over components are written out in their order. Their rounding depends neither on the CPU nor on a library of
-linear algebra, the memory layout or the number of rows.
+Sums over components are written out in their order: their rounding depends neither on the CPU nor on a
+library for linear algebra, nor on the memory layout, nor on the number of rows.
 """
 
 import math
+from collections.abc import Callable
 from functools import reduce
 from operator import add, mul
 from typing import Any
@@ -70,6 +71,16 @@ def broadcast(*arrays: Array) -> tuple[Array, ...]:
 def matrix_like(reference: Array, rows: int, columns: int) -> Array:
     """Zeros (..., rows, columns) with the leading dimensions of `reference`."""
     return np.zeros((*reference.shape[:-1], rows, columns))
+
+
+def elementwise(function: Callable[..., float], *values: Array) -> Array:
+    """A function of the module `math` for every element of arrays of one shape.
+
+    NumPy's own `exp`, `log`, `arctan2` and powers differ in the last bit between kinds of CPU; its `sin`,
+    `cos` and `sqrt` do not.
+    """
+    results = map(function, *(array.ravel().tolist() for array in values))
+    return np.array(list(results)).reshape(values[0].shape)
 
 
 def total(values: Array) -> Array:

@@ -1,5 +1,6 @@
 """Scenarios: how much the conditions of an episode differ from the ideal ones, as data."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, elementwise
 
 SCENARIOS = ("report", "randomized", "realistic")
 
@@ -28,8 +29,8 @@ class Range:
 
     @cached_property
     def _corners(self) -> tuple[Array, Array]:
-        corners = np.array(self.low), np.array(self.high)
-        return (np.log(corners[0]), np.log(corners[1])) if self.logarithmic else corners
+        low, high = np.array(self.low), np.array(self.high)
+        return (elementwise(math.log, low), elementwise(math.log, high)) if self.logarithmic else (low, high)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> "Range":
@@ -40,7 +41,7 @@ class Range:
     def draw(self, rng: np.random.Generator) -> Array:
         """Draw one vector."""
         drawn = rng.uniform(*self._corners)
-        return np.exp(drawn) if self.logarithmic else drawn
+        return elementwise(math.exp, drawn) if self.logarithmic else drawn
 
 
 @dataclass(frozen=True, eq=False)

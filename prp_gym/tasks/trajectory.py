@@ -200,7 +200,7 @@ class QuinticWaypoints(Trajectory):
         span = (end - begin)[..., None]
         s = np.clip((time - begin) / (end - begin), 0.0, 1.0)[..., None]
         move = stop - start
-        position = start + move * (s**3 * (10.0 - 15.0 * s + 6.0 * s**2))
+        position = start + move * (s * s**2 * (10.0 - 15.0 * s + 6.0 * s**2))
         velocity = move * (30.0 * s**2 * (1.0 - s) ** 2) / span
         acceleration = move * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)) / span**2
         return np.concatenate([position, velocity, acceleration], axis=-1)

@@ -1,8 +1,11 @@
 """What is installed is what is tracked, under the right names."""
 
 import importlib.util
+import os
+import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path, PurePosixPath
 
@@ -31,8 +34,8 @@ def expected_modules() -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def wheels(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
-    """Contents of a wheel built from the tree, and of one built from its sdist."""
+def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A folder with a wheel built from the tree, and one with an sdist and the wheel built from it."""
     copy = tmp_path_factory.mktemp("tree")
     for path in tracked_files():
         source, target = ROOT / path, copy / path
@@ -45,13 +48,73 @@ def wheels(tmp_path_factory: pytest.TempPathFactory) -> dict[str, set[str]]:
     build = [sys.executable, "-m", "build", "--no-isolation", "--outdir"]
     subprocess.run([*build, str(direct), "--wheel", str(copy)], check=True, capture_output=True)
     subprocess.run([*build, str(through_sdist), str(copy)], check=True, capture_output=True)
-    return {"tree": _contents(direct), "sdist": _contents(through_sdist)}
+    return {"tree": direct, "sdist": through_sdist}
+
+
+@pytest.fixture(scope="module")
+def wheels(built: dict[str, Path]) -> dict[str, set[str]]:
+    """Contents of a wheel built from the tree, and of one built from its sdist."""
+    return {origin: _contents(folder) for origin, folder in built.items()}
+
+
+def _wheel(folder: Path) -> Path:
+    (wheel,) = folder.glob("*.whl")
+    return wheel
 
 
 def _contents(folder: Path) -> set[str]:
-    (wheel,) = folder.glob("*.whl")
-    with zipfile.ZipFile(wheel) as archive:
+    with zipfile.ZipFile(_wheel(folder)) as archive:
         return {name for name in archive.namelist() if ".dist-info/" not in name}
+
+
+def _description(folder: Path) -> str:
+    """The README in a wheel's metadata."""
+    with zipfile.ZipFile(_wheel(folder)) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        metadata = archive.read(name).decode()
+    assert "\nDescription-Content-Type: text/markdown\n" in metadata
+    return metadata.partition("\n\n")[2]
+
+
+def _sdist_files(folder: Path) -> set[str]:
+    (sdist,) = folder.glob("*.tar.gz")
+    with tarfile.open(sdist) as archive:
+        return {name.partition("/")[2] for name in archive.getnames()}
+
+
+def test_an_sdist_holds_documentation_tests_examples_and_constraints(built: dict[str, Path]) -> None:
+    own = {"bench", "docs", "examples", "tests"}
+    single = {"CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "Makefile", "README.md", "constraints.txt"}
+    expected = {str(path) for path in tracked_files() if path.parts[0] in own or str(path) in single}
+    assert expected - _sdist_files(built["sdist"]) == set()
+
+
+@pytest.mark.parametrize("origin", ["tree", "sdist"])
+def test_the_readme_in_the_metadata_has_no_link_to_a_file(built: dict[str, Path], origin: str) -> None:
+    targets = re.findall(r"\]\(([^)]*)\)", _description(built[origin]))
+    assert [target for target in targets if not target.startswith("https://")] == []
+
+
+def test_the_readme_in_the_metadata_names_files_of_the_sdist(built: dict[str, Path]) -> None:
+    links = re.findall(r"\[[^\]]+\]\((?!https?://)([^)#]+)\)", (ROOT / "README.md").read_text())
+    text = _description(built["sdist"])
+    assert links
+    assert [link for link in links if f"(`{link}`)" not in text] == []
+    assert set(links) - _sdist_files(built["sdist"]) == set()
+
+
+def test_a_wheel_built_from_the_sdist_runs(built: dict[str, Path], tmp_path: Path) -> None:
+    with zipfile.ZipFile(_wheel(built["sdist"])) as archive:
+        archive.extractall(tmp_path)
+    code = (
+        "import gymnasium, prp_gym, sys;"
+        "env = gymnasium.make('PRP-Force-v0');"
+        "print(prp_gym.__file__, prp_gym.make_baseline('force_inner_position', env), env.reset(seed=1)[1])"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.startswith(str(tmp_path))
 
 
 @pytest.mark.parametrize("origin", ["tree", "sdist"])
@@ -88,7 +151,6 @@ def test_every_sub_package_is_listed() -> None:
 
 
 def test_constraints_pin_every_direct_dependency() -> None:
-    import re
     import tomllib
 
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

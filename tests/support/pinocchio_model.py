@@ -1,14 +1,20 @@
-"""The arm built with Pinocchio's own functions from numbers written here: an oracle for the closed form."""
+"""The arm built with Pinocchio's own functions from numbers written here: an oracle for the closed form.
+
+Where Pinocchio cannot be installed, beside the lowest versions or on a new Python, tests that need it are
+skipped.
+"""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
+import pytest
 from numpy.typing import NDArray
 
 from prp_gym.robot import ArmGeometry, RobotParameters
+
+pin = pytest.importorskip("pinocchio")
 
 Array = NDArray[np.float64]
 Vector3 = tuple[float, float, float]
