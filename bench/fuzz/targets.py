@@ -1,0 +1,7 @@
+"""All classes of cases."""
+
+from bench.fuzz.environments import ENVIRONMENTS
+from bench.fuzz.policies import POLICIES
+from bench.fuzz.robot import ROBOT
+
+TARGETS = (*ENVIRONMENTS, *POLICIES, *ROBOT)
