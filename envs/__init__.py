@@ -5,8 +5,8 @@ from typing import Any
 from prp_gym.envs.config import EnvConfig
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.environment import PRPEnv
-from prp_gym.envs.loop_environment import EnvState
-from prp_gym.envs.vector import PRPVectorEnv, VectorState
+from prp_gym.envs.saved_state import EnvState, VectorState
+from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.envs.view import EnvironmentView
 
 __all__ = [

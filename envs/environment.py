@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from prp_gym.checks import as_numbers, random_seed
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.loop import EpisodeLoop
-from prp_gym.envs.loop_environment import EnvState, LoopEnvironment
+from prp_gym.envs.loop_environment import LoopEnvironment
+from prp_gym.envs.saved_state import EnvState
 from prp_gym.errors import RenderingError, ShapeError
 from prp_gym.physics.rendering import NO_DISPLAY, WindowRenderer, has_display
 from prp_gym.robot.arrays import Array

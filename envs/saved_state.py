@@ -53,6 +53,14 @@ def check_parts(state: EnvState) -> None:
     _require_kind(f"{_WHAT}'s episodes", state.loop.rest, dict)
 
 
+def is_equal(given: object, own: object) -> bool:
+    """Whether two values are equal; those that cannot be compared are not."""
+    try:
+        return bool(given == own)
+    except Exception:  # the comparison of arrays, or of damaged objects
+        return False
+
+
 def check_like(state: LoopState, loop: EpisodeLoop) -> None:
     """Refuse a state that a loop with the same keywords cannot have.
 

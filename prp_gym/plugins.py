@@ -41,7 +41,8 @@ def load_plugins(modules: Iterable[str] = ()) -> list[str]:
     if isinstance(modules, (str, bytes)) or not isinstance(modules, Iterable):
         raise InvalidValueError("modules", modules, "names of modules")
     installed = sorted({entry.module for entry in entry_points(group=GROUP)})
-    load_modules([*installed, *modules])
+    load_modules(installed)
+    load_modules(modules)
     return list(_loaded)
 
 

@@ -1,5 +1,6 @@
 """Trained agents as files: weights as safetensors and a card as JSON, formats that cannot hold code."""
 
+import os
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +9,7 @@ from prp_gym.agents.policy.agent_tensors import digest, pack_tensors, unpack_ten
 from prp_gym.agents.policy.card_file import pack_card, unpack_card
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.artifacts import write_file
+from prp_gym.checks import choice, text
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, UnknownNameError
 from prp_gym.tasks.registration import list_envs
@@ -18,6 +20,7 @@ TRAINED = Path(__file__).parents[1] / "trained"
 TENSORS, CARD = ".safetensors", ".json"
 _WITH_CODE = frozenset((".zip", ".pkl", ".pickle", ".pt", ".pth", ".npy", ".npz", ".joblib"))
 _LARGEST = {TENSORS: 256 * 2**20, CARD: 16 * 2**20}  # [bytes]
+_LONGEST_PATH = 4096  # characters
 _ONE_SEED = re.compile(r"(?P<group>.+)_seed_(?P<seed>\d+)")
 
 
@@ -55,13 +58,16 @@ def load_agent(name_or_path: str | Path) -> LearnedPolicy:
 
     Raises:
         UnknownNameError: no shipped agent has this name.
+        InvalidValueError: neither a name nor a path.
         AgentFileError: a file that is missing, damaged, altered or of another kind.
     """
+    if not isinstance(name_or_path, Path):
+        text("agent", name_or_path, _LONGEST_PATH)
     if isinstance(name_or_path, str) and name_or_path in _shipped():
         return _load(*_twins(TRAINED / _median(name_or_path)))
     tensors, card = _twins(name_or_path)
     named = isinstance(name_or_path, str) and Path(name_or_path).suffix not in (TENSORS, CARD)
-    if named and not tensors.exists() and not card.exists():
+    if named and not os.path.exists(tensors) and not os.path.exists(card):
         raise UnknownNameError("agent", name_or_path, _shipped())
     return _load(tensors, card)
 
@@ -75,8 +81,8 @@ def list_agents(environment_id: str | None = None) -> list[str]:
     Raises:
         UnknownNameError: an environment that is not registered.
     """
-    if environment_id is not None and environment_id not in list_envs():
-        raise UnknownNameError("environment", environment_id, list_envs())
+    if environment_id is not None:
+        choice("environment", environment_id, list_envs())
     groups = {_group(name) for name in _files()}
     return sorted(name for name in groups if environment_id in (None, name.partition("/")[0]))
 
@@ -166,8 +172,9 @@ def _content(path: Path) -> bytes:
             content = file.read(largest + 1)
     except FileNotFoundError:
         raise AgentFileError(path, f"is missing; an agent is two files, {TENSORS} and {CARD}") from None
-    except OSError as error:
-        raise AgentFileError(path, f"cannot be read: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:  # a path that holds a null character is a ValueError
+        reason = getattr(error, "strerror", None) or error
+        raise AgentFileError(path, f"cannot be read: {reason}") from None
     if len(content) > largest:
         raise AgentFileError(path, f"is larger than {largest} bytes")
     return content

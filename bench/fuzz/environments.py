@@ -17,7 +17,7 @@ from prp_gym.envs.config import EnvConfig
 from prp_gym.tasks.spec import TASKS
 
 _MODE = "variable_impedance"
-_SINGLE = (
+_SINGLE: tuple[tuple[str, dict[str, Any]], ...] = (
     ("PRP-JointTracking-v0", {}),
     ("PRP-Force-v0", {"scenario": "realistic"}),
     ("PRP-Adaptive-v0", {}),
@@ -61,7 +61,7 @@ def _prepare_resets(_: Path) -> Prepared:
         index, seed, options = arguments
         return environments[index].reset(seed=seed, options=options)
 
-    options = st.just({}) | named(names, STRANGE)
+    options: st.SearchStrategy[Any] = st.just({}) | named(names, STRANGE)
     which = st.integers(0, len(environments) - 1)
     return Prepared(st.tuples(which, mostly(st.none() | st.integers(0, 99)), mostly(options)), call)
 
@@ -76,12 +76,10 @@ def _prepare_keywords(_: Path) -> Prepared:
 
     def call(arguments: tuple[int, Any, dict[str, Any]]) -> object:
         way, task, keywords = arguments
-        if way == 0:
-            env: Any = gymnasium.make(
-                tasks[0] if not isinstance(task, str) or task not in tasks else task, **keywords
-            )
+        if way == 0 and isinstance(task, str) and task in tasks and "render_mode" not in keywords:
+            env: Any = gymnasium.make(task, **keywords)  # which itself reads the id and the render mode
         else:
-            env = (PRPEnv if way == 1 else PRPVectorEnv)(task, **keywords)
+            env = (PRPVectorEnv if way == 2 else PRPEnv)(task, **keywords)
         result = env.reset(seed=0)
         env.close()
         return result

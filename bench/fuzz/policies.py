@@ -42,7 +42,7 @@ def _prepare_settings(_: Path) -> Prepared:
 
     def cases(index: int) -> st.SearchStrategy[Any]:
         own = st.one_of([settings_of(name) for name in runnable[index]])
-        strange = st.tuples(STRANGE, st.just({}))
+        strange: st.SearchStrategy[Any] = st.tuples(STRANGE, st.just({}))
         gains = st.none() | mostly(named(["tuned", "stiffness", "minimum_frequency", "source"], STRANGE))
         return st.tuples(
             st.just(index), st.one_of(own, own, own, strange), gains, st.none() | mostly(st.none())

@@ -56,7 +56,12 @@ ARRAYS: tuple[Any, ...] = (
     *(np.ones(3, dtype=bool), np.ones(2, dtype=bool), np.zeros(3, dtype=complex), np.zeros(10**4)),
     *(np.array("torque"), np.array(["torque"]), np.array(["a", "b"]), np.array([None, 1], dtype=object)),
     *(np.array([10**400, 1, 2], dtype=object), np.full(3, np.longdouble("1e4000")), np.zeros((3,) * 9)),
-    *(np.datetime64("2020-01-01"), np.timedelta64(1), np.zeros(3, dtype=[("x", float)]), np.ma.masked_all(3)),
+    *(
+        np.datetime64("2020-01-01"),
+        np.timedelta64(1),
+        np.zeros(3, dtype=[("x", float)]),
+        np.ma.MaskedArray(np.zeros(3), True),
+    ),
 )
 CONTAINERS: tuple[Any, ...] = (
     *([], (), {}, set(), [[]], [1, 2, 3], (0.1, 0.2, 0.3), [0.1] * 6, (1.0,), [NAN] * 3, [1, [2, 3]]),
@@ -65,7 +70,6 @@ CONTAINERS: tuple[Any, ...] = (
         frozenset((1, 2)),
         range(3),
         range(10**12),
-        iter([1, 2, 3]),
         memoryview(b"abc"),
         _endless(),
         _deep(500),
