@@ -164,8 +164,7 @@ def whole(what: str, value: object, least: int, most: int = LARGEST_WHOLE, unit:
     Raises:
         InvalidValueError: a value that is not a whole number, or is out of bounds.
     """
-    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not is_whole or not least <= value <= most:  # type: ignore[operator]
+    if not _is_whole(value) or not least <= value <= most:  # type: ignore[operator]
         highest = "" if most == LARGEST_WHOLE else f", at most {most}"
         raise InvalidValueError(what, value, f"a whole number, at least {least}{highest}", unit)
     return int(value)  # type: ignore[call-overload, no-any-return]
@@ -177,9 +176,14 @@ def random_seed(what: str, value: object) -> int:
     Raises:
         InvalidValueError: a value that is not a whole number, is negative, or has more than 128 bits.
     """
-    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and 0 <= value <= LARGEST_SEED:
-        return int(value)
-    raise InvalidValueError(what, value, "a whole number, at least 0, of at most 128 bits")
+    if not _is_whole(value) or not 0 <= value <= LARGEST_SEED:  # type: ignore[operator]
+        raise InvalidValueError(what, value, "a whole number, at least 0, of at most 128 bits")
+    return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is an integer, of Python or NumPy; a time difference of NumPy is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
 
 
 def choice(what: str, value: object, valid: Collection[str]) -> str:

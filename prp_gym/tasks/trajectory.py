@@ -56,7 +56,20 @@ class Trajectory(ABC):
 
         Returns:
             Position (d), velocity (d) per second and acceleration (d) per second squared (..., N, 3d).
+
+        Raises:
+            InvalidValueError: times that are not numbers.
+            NonFiniteError: NaN or infinity.
+            ShapeError: times for another number of trajectories.
         """
+
+    def _times(self, time: object) -> Array:
+        """Times (..., N) or (..., 1) as numbers."""
+        times, count = as_array("time", time, "s"), len(getattr(self, fields(self)[0].name))
+        check_finite("time", times, "s")
+        if times.ndim == 0 or (times.shape[-1] != count and 1 not in (times.shape[-1], count)):
+            raise ShapeError("time", times.shape, f"(..., {count})")
+        return times
 
     @property
     @abstractmethod
@@ -96,6 +109,7 @@ class Constant(Trajectory):
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         size = self.position.shape[-1]
         values = np.zeros((*time.shape, 3 * size))
         values[..., :size] = self.position
@@ -130,6 +144,7 @@ class Sine(Trajectory):
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         angle = self.angular_frequency * time[..., None] + self.phase
         sine, cosine = self.amplitude * np.sin(angle), self.amplitude * np.cos(angle)
         rate = self.angular_frequency
@@ -168,6 +183,7 @@ class SquareAcceleration(Trajectory):
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         quarter = np.pi / 2 / self.angular_frequency
         phase = time[..., None] / quarter % 4.0  # in quarters of a period
         sign = np.where((phase < 1.0) | (phase >= 3.0), 1.0, -1.0)
@@ -227,6 +243,7 @@ class QuinticWaypoints(Trajectory):
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         last = self.times.shape[-1] - 2
         segment = np.clip((time[..., None] >= self.times).sum(axis=-1) - 1, 0, last)
         row = np.arange(self.times.shape[0])
