@@ -196,8 +196,8 @@ def _prepare_weights(folder: Path) -> Prepared:
         index, place, value = arguments
         tensors = {name: np.array(tensor) for name, tensor in agent.network.tensors.items()}
         number = value if isinstance(value, float) else 1e38
-        with np.errstate(over="ignore"):
-            tensors[names[index % len(names)]].flat[place % 7] = number
+        with np.errstate(over="ignore", invalid="ignore"):
+            tensors[names[index % len(names)]].flat[0] = number * (1 + place)
         changed = LearnedPolicy(agent.card, agent.normalizer, Network(agent.network.shape, tensors))
         save_agent(changed, folder / "weights")
         return prp_gym.load_agent(folder / "weights").predict(np.ones(5))[0]
