@@ -16,7 +16,7 @@ from prp_gym.errors import PRPError, shortened
 UNTYPED, SILENT_NAN, HANG, LITTER = "untyped", "NaN", "hangs", "litter"
 KINDS = (UNTYPED, SILENT_NAN, HANG, LITTER)
 
-LIMIT = 5.0
+LIMIT = 20.0
 """Time in which a case must end [s]."""
 
 _DEPTH = 6  # of the parts of a result that are searched for NaN

@@ -34,7 +34,7 @@ _CONTENTS = (
     *(b"a: *a", b"a: &a [*a]", b"!!python/object/apply:os.system [true]", _BOMB.encode(), b"x" * 10**5),
     *(b"a = " + b"[" * 3000, b"a = 1e999", b"a = nan", b"1" * 5000, b'{"a": ' + b"9" * 5000 + b"}"),
 )
-_VALUES = (
+_VALUES: tuple[object, ...] = (
     None,
     True,
     -1,

@@ -87,7 +87,7 @@ def test_number_that_is_none_negative_or_not_finite_is_refused(value: Any) -> No
 
 def test_several_numbers_for_one_are_refused() -> None:
     with pytest.raises(ShapeError, match="share has shape"):
-        Numbers(1.0, share=[1.0])
+        Numbers(1.0, share=[1.0])  # type: ignore[arg-type]
 
 
 def test_number_becomes_a_float() -> None:
