@@ -16,7 +16,14 @@ from prp_gym.envs.core.info import InfoField
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.mode_loop import ModeLoop
 from prp_gym.envs.episode_spec import EpisodeSpec
-from prp_gym.envs.saved_state import EnvState, check_generators, check_like, check_parts, restore_loop
+from prp_gym.envs.saved_state import (
+    EnvState,
+    check_generators,
+    check_like,
+    check_parts,
+    is_equal,
+    restore_loop,
+)
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.rendering import OffscreenRenderer, OverlayItem, WindowRenderer, force_arrow
@@ -277,12 +284,11 @@ class LoopEnvironment:
             InvalidValueError: such a state, or a value that is not a saved state.
         """
         check_parts(state)
-        task = state.loop.rest.get("task")
-        found = task.environment_id if isinstance(task, Task) else task
+        found = getattr(getattr(state.loop.rest.get("task"), "spec", None), "id", None)
         if not isinstance(found, str) or found != self.task.environment_id:
             raise InvalidValueError("saved state's task", found, self.task.environment_id)
-        view, own_view = replace(state.config, **_VIEW), replace(self.config, **_VIEW)
-        if view != own_view or type(state.options) is not type(self.options) or state.options != self.options:
+        theirs = replace(state.config, **_VIEW), state.options
+        if not is_equal(theirs, (replace(self.config, **_VIEW), self.options)):
             raise InvalidValueError("saved state's keywords", (state.config, state.options), f"{self.config}")
         waiting = state.loop.rest.get("_needs_reset")
         count = len(waiting) if isinstance(waiting, np.ndarray) and waiting.ndim else waiting

@@ -49,14 +49,27 @@ def as_numbers(what: str, value: object, unit: str = "") -> Array:
 
 def _array(value: object) -> NDArray[np.generic]:
     """A value as an array; one of objects where it is none."""
+    if isinstance(value, np.ma.MaskedArray):  # its values are not all meant
+        return np.asarray(None)
     if isinstance(value, np.ndarray):
-        return value
+        return np.asarray(value)
     try:
         if isinstance(value, Sized) and len(value) > _MOST_NUMBERS:
             return np.asarray(None)
         return np.asarray(value)
     except Exception:  # rows of different lengths, or whatever the value's own methods raise
         return np.asarray(None)
+
+
+def as_array(what: str, value: object, unit: str = "") -> Array:
+    """Convert a value to an array of numbers, without a copy where it is one already.
+
+    Raises:
+        InvalidValueError: a value that is neither a number nor an array of numbers.
+    """
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    return as_numbers(what, value, unit)
 
 
 def check_finite(what: str, numbers: Array, unit: str = "", largest: float = LARGEST) -> None:
@@ -151,8 +164,7 @@ def whole(what: str, value: object, least: int, most: int = LARGEST_WHOLE, unit:
     Raises:
         InvalidValueError: a value that is not a whole number, or is out of bounds.
     """
-    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not is_whole or not least <= value <= most:  # type: ignore[operator]
+    if not _is_whole(value) or not least <= value <= most:  # type: ignore[operator]
         highest = "" if most == LARGEST_WHOLE else f", at most {most}"
         raise InvalidValueError(what, value, f"a whole number, at least {least}{highest}", unit)
     return int(value)  # type: ignore[call-overload, no-any-return]
@@ -164,9 +176,14 @@ def random_seed(what: str, value: object) -> int:
     Raises:
         InvalidValueError: a value that is not a whole number, is negative, or has more than 128 bits.
     """
-    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and 0 <= value <= LARGEST_SEED:
-        return int(value)
-    raise InvalidValueError(what, value, "a whole number, at least 0, of at most 128 bits")
+    if not _is_whole(value) or not 0 <= value <= LARGEST_SEED:  # type: ignore[operator]
+        raise InvalidValueError(what, value, "a whole number, at least 0, of at most 128 bits")
+    return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is an integer, of Python or NumPy; a time difference of NumPy is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
 
 
 def choice(what: str, value: object, valid: Collection[str]) -> str:
@@ -191,14 +208,14 @@ def flag(what: str, value: object) -> bool:
     return bool(value)
 
 
-def text(what: str, value: object) -> str:
+def text(what: str, value: object, longest: int = _LONGEST_TEXT) -> str:
     """Convert a value to a text.
 
     Raises:
         InvalidValueError: a value that is not a text, is empty or too long.
     """
-    if not isinstance(value, str) or not 0 < len(value) <= _LONGEST_TEXT:
-        raise InvalidValueError(what, value, f"a text of 1 to {_LONGEST_TEXT} characters")
+    if not isinstance(value, str) or not 0 < len(value) <= longest:
+        raise InvalidValueError(what, value, f"a text of 1 to {longest} characters")
     return str(value)
 
 

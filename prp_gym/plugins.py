@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from importlib.metadata import entry_points
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 
 from prp_gym.checks import text
@@ -19,6 +20,7 @@ from prp_gym.errors import InvalidValueError, PluginError
 GROUP = "prp_gym.plugins"
 """Entry-point group in which an installed package names its modules."""
 
+_MOST_PLUGINS = 1000
 _SUFFIXES = (".py", ".toml", ".yml")
 
 _loaded: dict[str, str] = {}
@@ -38,11 +40,25 @@ def load_plugins(modules: Iterable[str] = ()) -> list[str]:
         PluginError: a module that does not exist or fails as it is imported.
         InvalidValueError: names that are not texts.
     """
-    if isinstance(modules, (str, bytes)) or not isinstance(modules, Iterable):
-        raise InvalidValueError("modules", modules, "names of modules")
     installed = sorted({entry.module for entry in entry_points(group=GROUP)})
-    load_modules([*installed, *modules])
+    load_modules(installed)
+    load_modules(_names(modules))
     return list(_loaded)
+
+
+def _names(modules: Iterable[str]) -> list[str]:
+    """Names of modules, as users give them.
+
+    Raises:
+        InvalidValueError: one text, or anything else than names.
+    """
+    try:
+        names = [] if isinstance(modules, (str, bytes)) else list(islice(modules, _MOST_PLUGINS))
+    except Exception:  # no names, or whatever the value's own methods raise
+        names = []
+    if not names and not isinstance(modules, (tuple, list)):
+        raise InvalidValueError("modules", modules, "names of modules")
+    return names
 
 
 def load_modules(modules: Iterable[str]) -> None:

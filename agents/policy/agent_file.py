@@ -9,6 +9,7 @@ from prp_gym.agents.policy.agent_tensors import digest, pack_tensors, unpack_ten
 from prp_gym.agents.policy.card_file import READER, pack_card, unpack_card
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.artifacts import write_file
+from prp_gym.checks import choice, text
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, UnknownNameError
 from prp_gym.files import FileReader
@@ -20,6 +21,7 @@ TRAINED = Path(__file__).parents[1] / "trained"
 TENSORS, CARD = ".safetensors", ".json"
 _WITH_CODE = frozenset((".zip", ".pkl", ".pickle", ".pt", ".pth", ".npy", ".npz", ".joblib"))
 _READERS = {TENSORS: FileReader(256 * 2**20, AgentFileError), CARD: READER}
+_LONGEST_PATH = 4096  # characters
 _ONE_SEED = re.compile(r"(?P<group>.+)_seed_(?P<seed>\d+)")
 
 
@@ -57,8 +59,11 @@ def load_agent(name_or_path: str | Path) -> LearnedPolicy:
 
     Raises:
         UnknownNameError: no shipped agent has this name.
+        InvalidValueError: neither a name nor a path.
         AgentFileError: a file that is missing, damaged, altered or of another kind.
     """
+    if not isinstance(name_or_path, Path):
+        text("agent", name_or_path, _LONGEST_PATH)
     if isinstance(name_or_path, str) and name_or_path in _shipped():
         return _load(*_twins(TRAINED / _median(name_or_path)))
     tensors, card = _twins(name_or_path)
@@ -77,8 +82,8 @@ def list_agents(environment_id: str | None = None) -> list[str]:
     Raises:
         UnknownNameError: an environment that is not registered.
     """
-    if environment_id is not None and environment_id not in list_envs():
-        raise UnknownNameError("environment", environment_id, list_envs())
+    if environment_id is not None:
+        choice("environment", environment_id, list_envs())
     groups = {_group(name) for name in _files()}
     return sorted(name for name in groups if environment_id in (None, name.partition("/")[0]))
 

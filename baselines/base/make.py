@@ -7,6 +7,7 @@ from prp_gym.baselines.base.gains import Gains, GainSet, other_sets, read_gains,
 from prp_gym.baselines.base.policy import Baseline, ControlInterface
 from prp_gym.baselines.base.settings import Settings
 from prp_gym.baselines.base.spec import CONTROLLERS, TUNED, ControllerSpec, find_controller
+from prp_gym.checks import instance
 from prp_gym.errors import GainsFileError, InvalidValueError, MissingFieldError
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -16,9 +17,13 @@ def list_baselines(layout: ObservationLayout | None = None) -> list[str]:
 
     Args:
         layout: `env.unwrapped.observation_layout`; all controllers without it.
+
+    Raises:
+        InvalidValueError: a value that is not a layout.
     """
     if layout is None:
         return list(CONTROLLERS)
+    instance("layout", layout, ObservationLayout)
     return [name for name, spec in CONTROLLERS.items() if not spec.missing_fields(layout)]
 
 

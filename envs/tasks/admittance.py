@@ -3,13 +3,13 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from prp_gym.checks import choice
 from prp_gym.envs.base.contact_starts import ContactStarts, ContactWorld, quintic_path
 from prp_gym.envs.base.references import PoseSpaceReference
 from prp_gym.envs.base.scoring import TARGET_SCORING
 from prp_gym.envs.base.target_errors import DynamicTargetErrors
 from prp_gym.envs.base.target_options import TargetOptions
 from prp_gym.envs.config import describe
-from prp_gym.errors import UnknownNameError
 from prp_gym.tasks.parts import TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
 from prp_gym.tasks.setup import TaskSetup
@@ -33,8 +33,7 @@ class AdmittanceOptions(TargetOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.reference not in REFERENCES:
-            raise UnknownNameError("reference", self.reference, REFERENCES)
+        choice("reference", self.reference, REFERENCES)
 
 
 def compose(setup: TaskSetup) -> TaskParts:

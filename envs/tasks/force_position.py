@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from prp_gym.checks import choice
 from prp_gym.envs.base.contact_starts import ContactStart, ContactStarts, ContactWorld
 from prp_gym.envs.base.force_errors import ForceErrors
 from prp_gym.envs.base.force_options import ForceOptions, NormalForce
@@ -14,7 +15,7 @@ from prp_gym.envs.base.references import ForceAndPoseReference
 from prp_gym.envs.base.scoring import FORCE_SCORING
 from prp_gym.envs.base.tracking_starts import path_from
 from prp_gym.envs.config import describe
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import TaskParts, observed_layout
@@ -87,8 +88,7 @@ class ForcePositionOptions(ForceOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.start not in STARTS:
-            raise UnknownNameError("start", self.start, STARTS)
+        choice("start", self.start, STARTS)
 
 
 class HomeStarts(ContactStarts):

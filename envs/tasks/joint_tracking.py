@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from prp_gym.checks import choice
 from prp_gym.envs.base.arm_world import ArmWorld
 from prp_gym.envs.base.motion_errors import JointErrors
 from prp_gym.envs.base.references import JointSpaceReference
@@ -16,7 +17,6 @@ from prp_gym.envs.base.tracking_starts import (
     WaypointSampler,
 )
 from prp_gym.envs.config import describe
-from prp_gym.errors import UnknownNameError
 from prp_gym.tasks.parts import EpisodeStart, TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
 from prp_gym.tasks.setup import TaskSetup
@@ -47,8 +47,7 @@ class TrackingOptions(StartOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.reference not in REFERENCES:
-            raise UnknownNameError("reference", self.reference, REFERENCES)
+        choice("reference", self.reference, REFERENCES)
 
 
 def compose(setup: TaskSetup) -> TaskParts:

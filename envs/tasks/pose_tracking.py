@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
+from prp_gym.checks import choice
 from prp_gym.envs.base.arm_world import ArmWorld
 from prp_gym.envs.base.motion_errors import PoseErrors
 from prp_gym.envs.base.references import PoseSpaceReference
 from prp_gym.envs.base.scoring import POSE_SCORING
 from prp_gym.envs.base.tracking_starts import Draw, StartOptions, TrackingStarts, WaypointSampler
 from prp_gym.envs.config import describe
-from prp_gym.errors import UnknownNameError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
@@ -41,8 +41,7 @@ class PoseTrackingOptions(StartOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.reference not in REFERENCES:
-            raise UnknownNameError("reference", self.reference, REFERENCES)
+        choice("reference", self.reference, REFERENCES)
 
 
 class PoseWaypointSampler(WaypointSampler):

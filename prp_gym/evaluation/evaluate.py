@@ -8,6 +8,7 @@ from typing import Any, Protocol, runtime_checkable
 import gymnasium
 import numpy as np
 
+from prp_gym.checks import random_seed, whole
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.batch import can_batch, record_episodes
 from prp_gym.evaluation.episode import record_episode
@@ -16,6 +17,8 @@ from prp_gym.evaluation.policy_output import takes_batches
 from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
 from prp_gym.robot.arrays import Array
+
+_MOST_EPISODES = 10**6
 
 
 @runtime_checkable
@@ -101,17 +104,17 @@ def evaluate(
     check_protocol(episodes, seed)
     count = episodes_to_run(env, episodes)
     chosen = _policy(policy, env)
-    seeds = range(int(seed), int(seed) + count)
+    seeds = [int(seed) + index for index in range(count)]
     if count > 1 and takes_batches(chosen) and can_batch(env):
         rollouts = record_episodes(chosen, env, seeds)
         for _ in seeds:
             on_episode()
-        return Evaluation(rollouts, seed)
+        return Evaluation(rollouts, int(seed))
     rollouts = []
     for own in seeds:
         rollouts.append(record_episode(chosen, env, own))
         on_episode()
-    return Evaluation(rollouts, seed)
+    return Evaluation(rollouts, int(seed))
 
 
 def _policy(given: Any, env: gymnasium.Env[Any, Any]) -> Policy:
@@ -135,14 +138,13 @@ def check_protocol(episodes: int, seed: int) -> None:
     Raises:
         InvalidValueError: fewer than one episode, a negative seed, a number that is not whole.
     """
-    for what, value, least in (("episodes", episodes, 1), ("seed", seed, 0)):
-        if not isinstance(value, (int, np.integer)) or value < least:
-            raise InvalidValueError(what, value, f"a whole number, at least {least}")
+    whole("episodes", episodes, 1, _MOST_EPISODES)
+    random_seed("seed", seed)
 
 
 def episodes_to_run(env: gymnasium.Env[Any, Any], episodes: int) -> int:
     """1 where every episode is the same, else the requested number."""
-    task = getattr(env.unwrapped, "task", None)
+    task = getattr(getattr(env, "unwrapped", None), "task", None)
     if task is None:
         raise InvalidValueError("env", env, "an environment of prp_gym")
     return 1 if task.scenario.deterministic else episodes

@@ -6,7 +6,7 @@ seeds the intervals are too narrow: where the spread over training seeds dominat
 or 20 of them cover the true value in about 75, 85, 90 or 93 % of all cases.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -52,7 +52,9 @@ def bootstrap_nested(
 
     Source: Agarwal 2021, Davison 1997.
     """
-    return _bootstrap(scores, lambda checked, size: _draw_nested(checked, size, rng), confidence, resamples)
+    return _bootstrap(
+        scores, lambda checked, size: _draw_nested(checked, size, rng), rng, confidence, resamples
+    )
 
 
 def bootstrap_crossed(
@@ -83,7 +85,7 @@ def bootstrap_crossed(
     def draw(checked: Array, size: int) -> Array:
         return _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng)
 
-    return _bootstrap(scores, draw, confidence, resamples)
+    return _bootstrap(scores, draw, rng, confidence, resamples)
 
 
 def bootstrap_difference(
@@ -111,7 +113,7 @@ def bootstrap_difference(
 
     Source: Agarwal 2021, Owen 2007.
     """
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
     ours, theirs = check_scores(x, "scores x", _AXES), check_scores(y, "scores y", _AXES)
     if theirs.shape[1] != ours.shape[1]:
         raise ShapeError("scores y", theirs.shape, f"(training seeds, {ours.shape[1]}), as x")
@@ -146,7 +148,9 @@ def bootstrap_tasks(
 
     Source: Agarwal 2021, Owen 2007.
     """
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
+    if not isinstance(scores, Mapping) or not all(isinstance(task, str) for task in scores):
+        raise InvalidValueError("scores", scores, "a mapping from the names of tasks to their scores")
     if not scores:
         raise InvalidValueError("number of tasks", 0, "at least 1")
     values, drawn = [], []
@@ -163,10 +167,14 @@ def bootstrap_tasks(
 
 
 def _bootstrap(
-    scores: Array, draw: Callable[[Array, int], Array], confidence: float, resamples: int
+    scores: Array,
+    draw: Callable[[Array, int], Array],
+    rng: np.random.Generator,
+    confidence: float,
+    resamples: int,
 ) -> Estimate:
     """Interquartile mean of all scores, with an interval from resamples that are drawn block by block."""
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
     checked = check_scores(scores, "scores", _AXES)
     drawn = [draw(checked, size) for size in split_resamples(resamples, checked.size)]
     return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)

@@ -46,7 +46,7 @@ def probability_of_improvement(
 
     Source: Agarwal 2021, Mann 1947.
     """
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
     tasks, others = check_runs(x, "x"), check_runs(y, "y")
     check_same_tasks(tasks, others)
     value = 0.0
@@ -85,7 +85,7 @@ def paired_probability_of_improvement(
 
     Source: Agarwal 2021.
     """
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
     tasks, others = check_runs(x, "x"), check_runs(y, "y")
     check_same_tasks(tasks, others)
     value = 0.0

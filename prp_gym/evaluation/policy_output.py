@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import PolicyOutputError
+from prp_gym.checks import as_array
+from prp_gym.errors import InvalidValueError, PolicyOutputError, shortened
 from prp_gym.evaluation.rollout import Policy
 
 _BATCHED_LIBRARY = "stable_baselines3."
@@ -52,12 +53,16 @@ def check_output(
         raise PolicyOutputError(name, f"a {type(output).__name__}, not two values", single)
     action, state = output
     try:
-        numbers = np.asarray(action, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise PolicyOutputError(name, f"an action that holds no numbers: {action!r}", single) from None
+        numbers = as_array("action", action)
+    except InvalidValueError:
+        raise PolicyOutputError(
+            name, f"an action that holds no numbers: {shortened(action)}", single
+        ) from None
     if numbers.shape != shape:
         inputs = f" for observations of shape {(*shape[:-1], 'size')}" if shape[:-1] else ""
         raise PolicyOutputError(name, f"an action of shape {numbers.shape}{inputs}", single)
     if finite and not np.isfinite(numbers).all():
-        raise PolicyOutputError(name, f"an action with NaN or infinity: {numbers.tolist()}", single)
+        raise PolicyOutputError(
+            name, f"an action with NaN or infinity: {shortened(numbers.tolist())}", single
+        )
     return np.asarray(action), state

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from prp_gym.checks import whole
 from prp_gym.evaluation.resampling import (
     RESAMPLES,
     Indices,
@@ -17,6 +18,8 @@ from prp_gym.evaluation.resampling import (
     split_resamples,
 )
 from prp_gym.robot.arrays import Array
+
+_MOST_NUMBERS = 10**8  # of a profile's resamples; bounds the memory
 
 
 class Profile(NamedTuple):
@@ -59,9 +62,10 @@ def performance_profile(
 
     Source: Agarwal 2021, Dolan 2002.
     """
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
     tasks = check_runs(scores)
     levels = check_scores(thresholds, "thresholds", ("K",))
+    whole("number of resamples times thresholds", resamples * len(levels), 1, _MOST_NUMBERS)
     value = np.zeros(len(levels))
     drawn = np.zeros((resamples, len(levels)))
     for runs in tasks.values():

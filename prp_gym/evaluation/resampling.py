@@ -5,10 +5,12 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.checks import as_array, check_finite, random_generator, shaped, whole
 from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.robot.arrays import Array
 
 RESAMPLES = 2000
+_MOST_RESAMPLES = 10**6
 BLOCK = 2**20  # numbers drawn at once at most, unless one resample alone has more
 
 Indices = NDArray[np.int64]
@@ -16,16 +18,17 @@ Counts = NDArray[np.int64]
 Runs = Mapping[str, Array]
 
 
-def check_bootstrap(confidence: float, resamples: int) -> None:
-    """Refuse an invalid confidence or number of resamples.
+def check_bootstrap(confidence: float, resamples: int, rng: np.random.Generator) -> None:
+    """Refuse an invalid confidence, number of resamples or random generator.
 
     Raises:
-        InvalidValueError: a confidence outside (0, 1), or no resamples.
+        InvalidValueError: a confidence outside (0, 1), no resamples or too many, or no random generator.
+        ShapeError: several numbers in place of one.
     """
-    if not 0.0 < confidence < 1.0:
+    if not 0.0 < float(shaped("confidence", confidence, ())) < 1.0:
         raise InvalidValueError("confidence", confidence, "between 0 and 1")
-    if resamples < 1:
-        raise InvalidValueError("number of resamples", resamples, "at least 1")
+    whole("number of resamples", resamples, 1, _MOST_RESAMPLES)
+    random_generator("rng", rng)
 
 
 def check_scores(scores: Array, what: str, axes: Sequence[str]) -> Array:
@@ -36,7 +39,7 @@ def check_scores(scores: Array, what: str, axes: Sequence[str]) -> Array:
         InvalidValueError: no scores.
         NonFiniteError: NaN or infinity among them.
     """
-    checked = np.asarray(scores, dtype=np.float64)
+    checked = as_array(what, scores)
     if checked.ndim != len(axes):
         raise ShapeError(what, checked.shape, f"({', '.join(axes)})")
     if checked.size == 0:
@@ -44,6 +47,7 @@ def check_scores(scores: Array, what: str, axes: Sequence[str]) -> Array:
     wrong = checked[~np.isfinite(checked)]
     if wrong.size:
         raise NonFiniteError(f"one of the {what}", float(wrong[0]))
+    check_finite(what, checked)
     return checked
 
 
@@ -59,6 +63,8 @@ def check_runs(runs: Runs, policy: str = "scores") -> dict[str, Array]:
         ShapeError: runs of a task that are not in one row.
         NonFiniteError: NaN or infinity among the runs.
     """
+    if not isinstance(runs, Mapping) or not all(isinstance(task, str) for task in runs):
+        raise InvalidValueError(policy, runs, "a mapping from the names of tasks to their scores")
     if not runs:
         raise InvalidValueError(f"number of tasks in {policy}", 0, "at least 1")
     return {task: check_scores(runs[task], f"{policy} of task {task!r}", ("runs",)) for task in sorted(runs)}

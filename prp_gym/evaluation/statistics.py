@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.resampling import RESAMPLES, check_bootstrap, cut_tails
+from prp_gym.checks import as_array
+from prp_gym.errors import ShapeError
+from prp_gym.evaluation.resampling import RESAMPLES, check_bootstrap, check_scores, cut_tails
 from prp_gym.robot.arrays import Array
 
 
@@ -20,8 +21,15 @@ class Estimate(NamedTuple):
 def interquartile_mean(values: Array) -> Array:
     """Mean of the middle half, (..., n) -> (...): a quarter of n, rounded down, is cut off at each end.
 
+    Raises:
+        InvalidValueError: values that are not numbers.
+        ShapeError: no values.
+
     Source: Agarwal 2021.
     """
+    values = as_array("values", values)
+    if values.ndim == 0 or values.shape[-1] == 0:
+        raise ShapeError("values", values.shape, "(..., n), n at least 1")
     ordered = np.sort(values, axis=-1)
     cut = values.shape[-1] // 4
     middle: Array = ordered[..., cut : values.shape[-1] - cut].mean(axis=-1)
@@ -44,10 +52,11 @@ def bootstrap_interquartile_mean(
 
     Raises:
         InvalidValueError: no values, no resamples, or a confidence outside (0, 1).
+        ShapeError: values that are not in one row.
+        NonFiniteError: NaN or infinity among the values.
     """
-    if len(values) == 0:
-        raise InvalidValueError("number of values", 0, "at least 1")
-    check_bootstrap(confidence, resamples)
+    check_bootstrap(confidence, resamples, rng)
+    values = check_scores(values, "values", ("n",))
     drawn = rng.choice(values, size=(resamples, len(values)), replace=True)
     low, high = cut_tails(interquartile_mean(drawn), confidence)
     return Estimate(float(interquartile_mean(values)), float(low), float(high))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.checks import as_numbers, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array, norm
 
@@ -45,7 +46,7 @@ class Surface:
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "damping", "normal", "offset"):
-            own = np.array(getattr(self, name), dtype=np.float64)
+            own = as_numbers(f"surface {name}", getattr(self, name))
             own.flags.writeable = False
             object.__setattr__(self, name, own)
         count = self.stiffness.shape[0] if self.stiffness.ndim == 1 else 0
@@ -59,6 +60,8 @@ class Surface:
         largest = np.abs(self.normal).max(axis=-1)
         self._require("normal", largest > 0.0, "a vector of positive length", "")
         self._require("offset", np.isfinite(self.offset), "a finite number", "m")
+        for name in ("stiffness", "damping", "offset"):
+            check_finite(f"surface {name}", getattr(self, name))
         scaled = self.normal / largest[:, None]  # so that the squares neither underflow nor overflow
         normal = scaled / norm(scaled)[:, None]
         normal.flags.writeable = False
@@ -78,10 +81,10 @@ class Surface:
     ) -> "Surface":
         """One plane, for one simulation; units as in the class."""
         return cls(
-            np.array([stiffness]),
-            np.array([damping]),
-            np.array([normal], dtype=np.float64),
-            np.array([offset]),
+            np.atleast_1d(as_numbers("surface stiffness", stiffness, "N/m")),
+            np.atleast_1d(as_numbers("surface damping", damping, "N·s/m")),
+            np.atleast_2d(as_numbers("surface normal", normal)),
+            np.atleast_1d(as_numbers("surface offset", offset, "m")),
         )
 
     @classmethod

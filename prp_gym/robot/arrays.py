@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.checks import Array, as_numbers, check_finite
+from prp_gym.checks import Array, as_array, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
 
 __all__ = [
@@ -47,8 +47,7 @@ def as_vectors(values: ArrayLike, what: str, size: int = 3) -> Array:
         InvalidValueError: values that are not numbers, or are so large that products of them overflow.
         NonFiniteError: NaN or infinity.
     """
-    given = isinstance(values, np.ndarray) and values.dtype == np.float64
-    array: Array = values if given else as_numbers(what, values)  # type: ignore[assignment]
+    array = as_array(what, values)
     if array.ndim == 0 or array.shape[-1] != size:
         raise ShapeError(what, array.shape, f"(..., {size})")
     check_finite(what, array)

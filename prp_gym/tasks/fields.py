@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
-from prp_gym.checks import Array, as_numbers, check_finite, choice
+from prp_gym.checks import Array, as_array, check_finite, choice
 from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 
 LARGEST_OBSERVATION = 1e12
@@ -147,8 +147,7 @@ class ObservationLayout:
         return flat
 
     def _flat(self, observation: object) -> Array:
-        given = isinstance(observation, np.ndarray) and observation.dtype == np.float64
-        flat: Array = observation if given else as_numbers("observation", observation)  # type: ignore[assignment]
+        flat = as_array("observation", observation)
         if flat.ndim == 0 or flat.shape[-1] != self.size:
             raise ShapeError("observation", flat.shape, f"(..., {self.size})")
         return flat

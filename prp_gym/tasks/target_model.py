@@ -9,11 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from prp_gym.checks import within
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array, as_vectors, multiply, total
 
 _SAFE_SQUARINGS = 4  # beyond those that bring the norm to 1
 _TAYLOR_TERMS = 16
+_PERIODS = (1e-6, 1e6)  # [s]
 
 
 class Displacement(NamedTuple):
@@ -64,8 +66,7 @@ class TargetModel:
         for name in ("damping", "stiffness"):
             if (getattr(self, name) < 0.0).any():
                 raise InvalidValueError(f"target {name}", getattr(self, name).tolist(), "at least 0")
-        if not self.period > 0.0:
-            raise InvalidValueError("period", self.period, "above 0", "s")
+        object.__setattr__(self, "period", within("period", self.period, _PERIODS, "s"))
         with np.errstate(over="ignore", invalid="ignore"):
             transition = self._discretise()
         if not np.isfinite(transition).all():

@@ -11,8 +11,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError
+from prp_gym.checks import as_array, bounded, check_finite
+from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
+
+_LEAST_INTERVAL = 1e-9  # s
+_FREQUENCIES = (1e-9, 1e12)  # rad/s
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +24,28 @@ class Trajectory(ABC):
     """N trajectories of one kind; every attribute is an array with N rows.
 
     The trajectory of a new episode replaces that of the last one with `assign`.
+
+    Raises:
+        InvalidValueError: attributes that are not numbers, or are too large or too small to be computed with.
+        NonFiniteError: NaN or infinity.
+        ShapeError: attributes of other shapes.
     """
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            numbers = as_array(entry.name, getattr(self, entry.name))
+            check_finite(entry.name, numbers)
+            object.__setattr__(self, entry.name, numbers)
+        self._check_shapes()
+
+    def _check_shapes(self) -> None:
+        """Refuse attributes that are not (N, d) alike."""
+        expected: tuple[int, ...] | None = None
+        for entry in fields(self):
+            shape = getattr(self, entry.name).shape
+            if len(shape) != 2 or shape != (expected or shape):
+                raise ShapeError(entry.name, shape, f"{expected or '(N, d)'}")
+            expected = shape
 
     @abstractmethod
     def sample(self, time: Array) -> Array:
@@ -31,7 +56,20 @@ class Trajectory(ABC):
 
         Returns:
             Position (d), velocity (d) per second and acceleration (d) per second squared (..., N, 3d).
+
+        Raises:
+            InvalidValueError: times that are not numbers.
+            NonFiniteError: NaN or infinity.
+            ShapeError: times for another number of trajectories.
         """
+
+    def _times(self, time: object) -> Array:
+        """Times (..., N) or (..., 1) as numbers."""
+        times, count = as_array("time", time, "s"), len(getattr(self, fields(self)[0].name))
+        check_finite("time", times, "s")
+        if times.ndim == 0 or (times.shape[-1] != count and 1 not in (times.shape[-1], count)):
+            raise ShapeError("time", times.shape, f"(..., {count})")
+        return times
 
     @property
     @abstractmethod
@@ -71,6 +109,7 @@ class Constant(Trajectory):
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         size = self.position.shape[-1]
         values = np.zeros((*time.shape, 3 * size))
         values[..., :size] = self.position
@@ -105,6 +144,7 @@ class Sine(Trajectory):
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         angle = self.angular_frequency * time[..., None] + self.phase
         sine, cosine = self.amplitude * np.sin(angle), self.amplitude * np.cos(angle)
         rate = self.angular_frequency
@@ -137,8 +177,13 @@ class SquareAcceleration(Trajectory):
     magnitude: Array
     angular_frequency: Array
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        bounded("angular_frequency", self.angular_frequency, _FREQUENCIES, "rad/s")
+
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         quarter = np.pi / 2 / self.angular_frequency
         phase = time[..., None] / quarter % 4.0  # in quarters of a period
         sign = np.where((phase < 1.0) | (phase >= 3.0), 1.0, -1.0)
@@ -182,16 +227,23 @@ class QuinticWaypoints(Trajectory):
     times: Array
     positions: Array
 
-    def __post_init__(self) -> None:
-        if self.times.shape[-1] < 2 or self.positions.shape[:-1] != self.times.shape:
+    def _check_shapes(self) -> None:
+        if (
+            self.times.ndim != 2
+            or self.positions.ndim != 3
+            or self.times.shape[-1] < 2
+            or self.positions.shape[:-1] != self.times.shape
+        ):
             raise InvalidValueError(
                 "waypoints' shape", self.positions.shape, "(N, K, d) with K times, K >= 2"
             )
-        if not (np.diff(self.times, axis=-1) > 0.0).all():
-            raise InvalidValueError("waypoint times", self.times.tolist(), "strictly increasing", "s")
+        if not (np.diff(self.times, axis=-1) >= _LEAST_INTERVAL).all():
+            allowed = f"strictly increasing, by {_LEAST_INTERVAL:g} s at least"
+            raise InvalidValueError("waypoint times", self.times.tolist(), allowed, "s")
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
+        time = self._times(time)
         last = self.times.shape[-1] - 2
         segment = np.clip((time[..., None] >= self.times).sum(axis=-1) - 1, 0, last)
         row = np.arange(self.times.shape[0])
