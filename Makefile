@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
-.PHONY: install evaluate reproduce test mutants lint type bench peers docs frames sweep train compare clean
+.PHONY: install evaluate reproduce test mutants kills lint type bench peers docs frames sweep train compare clean
 
 install: $(VENV)/.core
 
@@ -21,6 +21,10 @@ test: $(VENV)/.dev
 
 mutants: $(VENV)/.dev
 	$(BIN)/python -m bench.mutants
+
+kills: $(VENV)/.dev
+	$(BIN)/python -m bench.kills
+	$(BIN)/python -m bench.orphans
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

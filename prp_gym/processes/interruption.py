@@ -15,6 +15,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 _GRACE = 5.0  # s, that the command has to stop its workers and to report what it has kept
 _OF_SIGNAL = 128  # added to a signal's number, it is the exit code of a shell's command that the signal ended
+_LISTENING = threading.Event()
 _NOTHING_KEPT = "nothing had to be kept; the same command starts over"
 
 
@@ -68,16 +69,18 @@ def interruptible() -> Iterator[None]:
     for number, handler in before.items():
         if handler is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
+    _LISTENING.set()
     try:
         yield
     finally:
+        _LISTENING.clear()
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
 def relisten() -> None:
     """Install the handlers again that a library has replaced by its own; nothing outside `interruptible`."""
-    if signal.getsignal(signal.SIGINT) is _interrupt:
+    if _LISTENING.is_set() and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _interrupt)
 
 
