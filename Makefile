@@ -12,7 +12,8 @@ LOWEST_TESTS ?= tests/action_modes tests/agents tests/baselines tests/conformanc
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
-.PHONY: install evaluate reproduce test test-lowest mutants fuzz lint type bench peers docs frames sweep train compare clean
+.PHONY: install evaluate reproduce test test-lowest mutants fuzz kills lint type bench peers docs frames sweep train \
+        compare clean
 
 install: $(VENV)/.core
 
@@ -33,6 +34,10 @@ mutants: $(VENV)/.dev
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m bench.fuzz $(FUZZ)
+
+kills: $(VENV)/.dev
+	$(BIN)/python -m bench.kills
+	$(BIN)/python -m bench.orphans
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

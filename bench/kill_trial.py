@@ -92,7 +92,7 @@ def _torn(folder: Path) -> list[str]:
     """Files under their final names that were not written to their end."""
     torn = []
     for path in (folder / OUTPUT).rglob("*"):
-        if path.suffix == ".json" and not _is_hidden(path.relative_to(folder)):
+        if path.suffix == ".json" and not _is_apart(path.relative_to(folder)):
             try:
                 read_whole(path)
             except InvalidValueError as error:
@@ -102,8 +102,9 @@ def _torn(folder: Path) -> list[str]:
     return torn
 
 
-def _is_hidden(path: Path) -> bool:
-    return any(part.startswith(".") for part in path.parts)
+def _is_apart(path: Path) -> bool:
+    """Whether a file is a temporary one, or in a checkpoint, which has checksums of its own."""
+    return any(part.startswith((".", "checkpoint-")) for part in path.parts)
 
 
 def _names(folder: Path) -> set[str]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.logger import Logger
 from stable_baselines3.common.vec_env import VecNormalize
 
 from prp_gym.agents.algorithms import ALGORITHMS
@@ -75,5 +76,6 @@ def make_learner(recipe: Recipe, seed: int, resumes: int = 0) -> Learner:
         raise InvalidValueError(
             f"recipe's settings of {recipe.algorithm}", recipe.settings, allowed
         ) from error
+    model.set_logger(Logger(None, []))  # or `learn` would make one, with a folder for temporary files
     env.seed((seed + 1) * EPISODES_A_SEED + resumes * recipe.n_envs)  # the constructor seeded them otherwise
     return Learner(model, env)

@@ -4,6 +4,7 @@ import os
 import sys
 import threading
 import warnings
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from prp_gym.checks import choice, whole
 from prp_gym.errors import RenderingError
+from prp_gym.physics.renderer_pool import RendererPool
 from prp_gym.physics.scene import CAMERAS
 from prp_gym.robot.arrays import Array
 
@@ -27,7 +29,7 @@ NO_DISPLAY = (
     "render_mode 'human' opens a window and this machine has no display (DISPLAY and WAYLAND_DISPLAY are"
     " unset); use 'rgb_array', or start a virtual display."
 )
-_MOST_GEOMS = 1000
+_POOL = RendererPool()
 _MOST_PIXELS = 8192  # along one side of a frame
 _CLOSING_TIMEOUT = 5.0  # [s]
 
@@ -107,8 +109,11 @@ def _add_connector(
 class OffscreenRenderer:
     """Renders colour and depth frames without a window.
 
+    Renderers of the same size, world and thread share their OpenGL context; the last one that is closed
+    frees its memory.
+
     Args:
-        model: Model of the simulation to render.
+        model: Model of the simulation to render; its offscreen buffer is made as large as the frame.
         width: Width of the frame [pixels].
         height: Height of the frame [pixels].
         camera: Name of the camera, `overview` or `top`.
@@ -121,17 +126,17 @@ class OffscreenRenderer:
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, camera: str) -> None:
         check_view(width, height, camera)
-        model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
-        model.vis.global_.offheight = max(height, model.vis.global_.offheight)
         self._camera = camera
         try:
-            self._renderer = mujoco.Renderer(model, height, width, max_geom=_MOST_GEOMS)
+            key, self._renderer = _POOL.borrow(model, width, height)
         except (RuntimeError, AttributeError, ImportError, mujoco.FatalError) as error:
             raise RenderingError(
                 f"MuJoCo cannot create an OpenGL context on this machine ({error}). Without a display set"
                 " MUJOCO_GL=egl (or osmesa) before mujoco is first imported, and install Mesa's EGL library"
                 " (Debian: libegl1)."
             ) from error
+        self._give_back = weakref.finalize(self, _POOL.give_back, key)
+        self._give_back.atexit = False  # by then OpenGL itself may have ended
 
     def draw(
         self, data: mujoco.MjData, overlay: Sequence[OverlayItem], *, depth: bool = False
@@ -157,8 +162,8 @@ class OffscreenRenderer:
         return frame
 
     def close(self) -> None:
-        """Release the OpenGL context."""
-        self._renderer.close()
+        """Give the OpenGL context back; a second call has no effect."""
+        self._give_back()
 
 
 def has_display() -> bool:

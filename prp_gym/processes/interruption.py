@@ -4,7 +4,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -13,8 +12,10 @@ from typing import Any
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals that end a command in the same way: Ctrl-C, `kill`, and a terminal that was closed."""
 
-_GRACE = 5.0  # s, that the command has to stop its workers and to report what it has kept
+_GRACE = 10.0  # s, that the command has to stop its workers and to report what it has kept
 _OF_SIGNAL = 128  # added to a signal's number, it is the exit code of a shell's command that the signal ended
+_OVER = threading.Event()  # set outside `interruptible`
+_OVER.set()
 _NOTHING_KEPT = "nothing had to be kept; the same command starts over"
 
 
@@ -57,7 +58,7 @@ def kept_if_interrupted(describe: Callable[[], str]) -> Iterator[None]:
 def interruptible() -> Iterator[None]:
     """Raise `Interruption` in the block at the first signal that asks the process to end.
 
-    A second signal ends the process at once; so does a cleanup that takes longer than 5 s. Signals that the
+    A second signal ends the process at once; so does a cleanup that takes longer than 10 s. Signals that the
     process was started to ignore, as by `nohup`, stay ignored. Only the main thread receives signals: in
     another one the block runs unchanged.
     """
@@ -68,16 +69,18 @@ def interruptible() -> Iterator[None]:
     for number, handler in before.items():
         if handler is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
+    _OVER.clear()
     try:
         yield
     finally:
+        _OVER.set()
         for number, handler in before.items():
             signal.signal(number, handler)
 
 
 def relisten() -> None:
     """Install the handlers again that a library has replaced by its own; nothing outside `interruptible`."""
-    if signal.getsignal(signal.SIGINT) is _interrupt:
+    if not _OVER.is_set() and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, _interrupt)
 
 
@@ -94,7 +97,8 @@ def _end_at_once(number: int, _: FrameType | None) -> None:
 
 def _end_late(number: int) -> None:
     """End a process whose cleanup hangs; every file of this package is complete at any time."""
-    time.sleep(_GRACE)
+    if _OVER.wait(_GRACE):
+        return
     _say("interrupted: ended without cleaning up; the next start of the command removes what is left.\n")
     os._exit(_OF_SIGNAL + number)
 

@@ -1,5 +1,6 @@
 """Runs that go on after an interruption, and the checkpoints from which they do."""
 
+import os
 import pickle
 import shutil
 from dataclasses import replace
@@ -17,7 +18,8 @@ from prp_gym.agents.training.model import make_learner
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.train import train
 from prp_gym.agents.training.training_state import TrainingState
-from prp_gym.errors import CheckpointError, RunFolderError
+from prp_gym.errors import CheckpointError, FolderInUseError, OutputError, RunFolderError
+from tests.support.full_disk import room_for
 from tests.support.training_runs import (
     assert_equal,
     assert_same_weights,
@@ -96,8 +98,10 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_two_processes_do_not_train_in_one_folder(tmp_path: Path) -> None:
     job = tiny_job(tmp_path / "run")
-    with RunFolder(job.folder).hold(), pytest.raises(RunFolderError, match="another process is training"):
+    with RunFolder(job.folder).hold(), pytest.raises(FolderInUseError) as caught:
         train(job)
+    assert f"is in use by process {os.getpid()} on " in str(caught.value)
+    assert "--fresh" not in str(caught.value)
     assert train(job)["steps"] == 512
     assert not list(job.folder.glob(".*"))
 
@@ -187,6 +191,46 @@ def test_only_the_newest_checkpoint_is_kept_and_half_a_one_does_not_count(tmp_pa
     half.mkdir()
     assert [path.name for path in tmp_path.glob("checkpoint-*")] == ["checkpoint-000000000320"]
     assert find_checkpoint(tmp_path)[0].name == "checkpoint-000000000320"
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+@pytest.mark.parametrize("room", [0, 1000, 6000])
+def test_full_disk_leaves_the_previous_checkpoint(tmp_path: Path, algorithm: str, room: int) -> None:
+    learner, state = trained(algorithm)
+    write_checkpoint(tmp_path, learner, state)
+    before = find_checkpoint(tmp_path)
+    learner.model.num_timesteps += 64
+    with room_for(room), pytest.raises(OutputError) as caught:
+        write_checkpoint(tmp_path, learner, state)
+    assert caught.value.path == str(tmp_path / f"checkpoint-{learner.model.num_timesteps:012d}")
+    assert list(tmp_path.iterdir()) == before
+    restore_checkpoint(before[0], learner)
+
+
+@pytest.mark.parametrize("tensorboard", [False, True])
+def test_disk_that_gets_full_in_training_ends_it_and_it_goes_on_later(
+    tmp_path: Path, tensorboard: bool
+) -> None:
+    job = tiny_job(tmp_path / "run", tensorboard=tensorboard)
+    with room_for(3000), pytest.raises(OutputError, match="File too large"):
+        train(job)
+    assert not [path for path in job.folder.rglob("*") if path.name.startswith(".")]
+    assert train(replace(job, existing="resume"))["steps"] == 512
+
+
+def test_folder_removed_in_training_ends_it_and_is_not_made_again(tmp_path: Path) -> None:
+    job = tiny_job(tmp_path / "run")
+    with pytest.raises(OutputError, match="the folder was removed or renamed during the run"):
+        train(job, lambda _: shutil.rmtree(job.folder))
+    assert not job.folder.exists()
+
+
+def test_incomplete_checkpoint_of_a_killed_run_is_removed_by_the_next(tmp_path: Path) -> None:
+    (tmp_path / "run" / ".checkpoint-000000000999.part").mkdir(parents=True)
+    (tmp_path / "run" / ".lock").write_text("left by a killed process")
+    with pytest.raises(KeyboardInterrupt):
+        train(tiny_job(tmp_path / "run"), interrupted(1))
+    assert not list((tmp_path / "run").glob(".*"))
 
 
 class Trap:

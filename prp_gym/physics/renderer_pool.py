@@ -1,0 +1,78 @@
+"""`RendererPool`: one OpenGL context for all frames of the same size, world and thread."""
+
+import copy
+import ctypes
+import hashlib
+import threading
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+_MOST_GEOMS = 1000
+_NOT_DRAWN = ("body_", "dof_", "pair_")  # masses, friction, and poses, which are drawn as the data has them
+
+
+@dataclass
+class SharedRenderer:
+    """A renderer and the number of those who use it.
+
+    Attributes:
+        renderer: MuJoCo's renderer, with a context that takes about 40 MB where the CPU draws.
+        users: number of users who have not given it back.
+    """
+
+    renderer: mujoco.Renderer
+    users: int = 0
+
+
+class RendererPool:
+    """Renderers that are shared by all who draw frames of the same size, of equal worlds, in one thread."""
+
+    def __init__(self) -> None:
+        self._open: dict[Hashable, SharedRenderer] = {}
+
+    def borrow(self, model: mujoco.MjModel, width: int, height: int) -> tuple[Hashable, mujoco.Renderer]:
+        """A renderer, and the key under which it is given back.
+
+        Args:
+            model: model of the world; its offscreen buffer is made as large as the frames.
+            width: width of the frames [pixels].
+            height: height of the frames [pixels].
+        """
+        model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
+        model.vis.global_.offheight = max(height, model.vis.global_.offheight)
+        key = (threading.current_thread(), width, height, _digest(model))
+        if key not in self._open:
+            self._open[key] = SharedRenderer(mujoco.Renderer(model, height, width, max_geom=_MOST_GEOMS))
+        self._open[key].users += 1
+        return key, self._open[key].renderer
+
+    def give_back(self, key: Hashable) -> None:
+        """End a use of the renderer under a key; the last one frees its memory."""
+        shared = self._open[key]
+        shared.users -= 1
+        if not shared.users:
+            del self._open[key]
+            shared.renderer.close()
+            _return_memory()
+
+
+def _digest(model: mujoco.MjModel) -> bytes:
+    """Digest of everything in a model that frames depend on."""
+    drawn = copy.copy(model)
+    for name in dir(drawn):
+        if name.startswith(_NOT_DRAWN) and isinstance(getattr(drawn, name), np.ndarray):
+            getattr(drawn, name)[...] = 0
+    drawn.stat.meanmass = drawn.stat.meaninertia = 0.0
+    content = np.empty(mujoco.mj_sizeModel(drawn), dtype=np.uint8)
+    mujoco.mj_saveModel(drawn, None, content)
+    return hashlib.sha256(content.tobytes()).digest()
+
+
+def _return_memory() -> None:
+    """Return freed memory to the system, of which glibc would keep what software rendering has used."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)

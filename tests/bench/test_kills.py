@@ -1,0 +1,88 @@
+"""`make kills` and the bench of orphans: a few interruptions, and whether a fault would be noticed."""
+
+import json
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from bench.kill_case import CASES, OUTPUT
+from bench.kill_trial import KillTrial, run_to_end
+from bench.kills import KillTally, kill_often, tally_table
+from bench.marked_process import MarkedProcess
+from bench.orphans import seconds_of_orphans
+from prp_gym.errors import UnknownNameError
+
+needs_proc = pytest.mark.skipif(
+    not Path("/proc/self/environ").exists(), reason="processes are found in /proc"
+)
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The working folder of an uninterrupted search."""
+    folder = tmp_path_factory.mktemp("reference")
+    _, wrong = run_to_end((*CASES["tune"].arguments, "--output", OUTPUT), folder)
+    assert wrong == []
+    return folder
+
+
+@needs_proc
+@pytest.mark.parametrize(("number", "delay"), [(signal.SIGKILL, 2.0), (signal.SIGTERM, 3.0)])
+def test_interrupted_search_goes_on_to_the_same_end(
+    reference: Path, tmp_path: Path, number: signal.Signals, delay: float
+) -> None:
+    assert KillTrial(CASES["tune"], number, delay).faults(reference, tmp_path) == []
+
+
+@needs_proc
+def test_faults_are_noticed(reference: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    result = next((reference / OUTPUT).glob("*/result.json"))
+    there = folder / result.relative_to(reference)
+    there.parent.mkdir(parents=True)
+    content = json.loads(result.read_bytes())
+    there.write_text(json.dumps(content | {"seconds": 0.0}))
+    assert CASES["tune"].differences(reference, folder) == []
+    there.write_text(json.dumps(content | {"score": 0.5}))
+    assert CASES["tune"].differences(reference, folder) == [str(result.relative_to(reference))]
+    there.write_text('{"half')
+    (folder / OUTPUT / ".lock").touch()
+    found = " ".join(KillTrial(CASES["tune"], signal.SIGKILL, 0.0).faults(reference, folder))
+    for fault in ("torn: ", "exit code 2"):
+        assert fault in found
+
+
+@needs_proc
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_workers_end_with_their_command(tmp_path: Path, number: signal.Signals) -> None:
+    seconds, errors = seconds_of_orphans("evaluate", number, 1.0, tmp_path)
+    assert seconds < 10.0  # 2 s on an idle machine; a build server runs other tests meanwhile
+    if number == signal.SIGTERM:
+        assert errors.strip().startswith("interrupted: ")
+        assert len(errors.strip().splitlines()) == 1  # and nothing of the workers
+
+
+@needs_proc
+def test_descendants_are_found_after_their_parent_has_ended(tmp_path: Path) -> None:
+    command = MarkedProcess(("--version",), tmp_path, {})
+    assert command.wait(60.0) == 0
+    assert command.seconds_to_end(10.0) < 10.0
+    assert command.alive() == []
+    command.close()
+
+
+def test_unknown_command_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(UnknownNameError, match="evaluate"):
+        kill_often("evaluat", 1, 0, Console(file=sys.stderr))
+
+
+def test_table_counts_signals_and_faults() -> None:
+    tally = KillTally("tune", 1.0, (signal.SIGKILL, signal.SIGTERM, signal.SIGKILL), ((), ("torn: x",), ()))
+    console = Console(width=150, record=True, quiet=True)
+    console.print(tally_table([tally]))
+    text = console.export_text()
+    assert "3 interruptions, 1 with a fault" in text
+    assert [cell.strip() for cell in text.splitlines()[-2].split("│")[1:-1]] == ["tune", "1.0", "2", "1", "1"]
