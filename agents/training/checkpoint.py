@@ -17,7 +17,11 @@ from prp_gym.agents.training.model import Learner
 from prp_gym.agents.training.run_records import StoredState
 from prp_gym.agents.training.training_state import BestPolicy, TrainingState
 from prp_gym.errors import CheckpointError, OutputError
-from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, check_archive, open_regular, seal, unseal
+from prp_gym.files.archive import check_archive
+from prp_gym.files.checksum import seal, unseal
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
+from prp_gym.files.regular_file import open_regular
+from prp_gym.files.typed_reader import TypedReader
 
 _PREFIX = "checkpoint-"
 _STATE, _TENSORS, _ARRAYS, _REPLAY = "state.json", "tensors.pt", "arrays.npz", "replay.npz"

@@ -2,6 +2,7 @@
 
 import fcntl
 import hashlib
+import os
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -15,7 +16,9 @@ from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.run_records import RunCurve, RunFacts, RunResult
 from prp_gym.artifacts import list_versions, prepare_folder, to_plain, write_file, write_json
 from prp_gym.errors import DataFileError, InvalidValueError, RunFolderError, shortened
-from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, seal, unseal_or_former
+from prp_gym.files.checksum import seal, unseal_or_former
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
+from prp_gym.files.typed_reader import TypedReader
 
 _LOCK = ".lock"
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
@@ -72,12 +75,12 @@ class RunFolder:
     @property
     def is_finished(self) -> bool:
         """Whether the training is complete."""
-        return self.result.exists()
+        return os.path.exists(self.result)
 
     @property
     def is_begun(self) -> bool:
         """Whether the folder holds a run."""
-        return self.config.exists()
+        return os.path.exists(self.config)
 
     def read_result(self) -> dict[str, Any]:
         """The result of a finished run.

@@ -26,7 +26,7 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import CurveRow, TrainingState
 from prp_gym.artifacts import write_json
 from prp_gym.errors import RunFolderError
-from prp_gym.files import seal
+from prp_gym.files.checksum import seal
 
 ON_EXISTING = ("refuse", "resume", "fresh")
 
