@@ -231,10 +231,16 @@ def _restore_normalizer(learner: Learner, arrays: Mapping[str, Any]) -> None:
 
 
 def _restore_replay(buffer: Any, path: Path) -> None:
-    arrays = _load_arrays(path)
-    for name in _BUFFER:
-        getattr(buffer, name)[: len(arrays[name])] = arrays[name]
-    buffer.pos, buffer.full = int(arrays["position"][0]), bool(arrays["position"][1])
+    with open_regular(path) as file:
+        check_archive(path, file)
+        with np.load(file, allow_pickle=False) as arrays:
+            for name in _BUFFER:  # one by one, since they are large
+                values = arrays[name]
+                getattr(buffer, name)[: len(values)] = values
+            position, full = arrays["position"].tolist()
+    if not 0 <= position < buffer.buffer_size:
+        raise ValueError(f"{path.name} has position {position} of {buffer.buffer_size}")
+    buffer.pos, buffer.full = int(position), bool(full)
 
 
 def _restore_generators(

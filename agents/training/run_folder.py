@@ -22,7 +22,7 @@ from prp_gym.files.typed_reader import TypedReader
 
 _LOCK = ".lock"
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
-_RECORDS = FileReader(RECORD_SIZE)
+_RECORDS, _SETTINGS = FileReader(RECORD_SIZE), FileReader()
 
 ContentT = TypeVar("ContentT")
 
@@ -124,9 +124,8 @@ class RunFolder:
         """
         digest = self.read_facts().recipe_sha256
         try:
-            content = _RECORDS.read_bytes(self.config)
-            text = _RECORDS.decode(self.config, content)
-            recipe = _RECORDS.parse_yaml(self.config, text)
+            content = _SETTINGS.read_bytes(self.config)
+            recipe = _SETTINGS.parse_yaml(self.config, _SETTINGS.decode(self.config, content))
         except DataFileError as error:
             raise RunFolderError(self.path, f"its recipe cannot be read ({error})") from error
         if not isinstance(recipe, dict) or not {"algorithm", "environment"} <= set(recipe):
