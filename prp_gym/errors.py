@@ -264,7 +264,7 @@ class DataFileError(PRPError, ValueError):
         self.what = what
         self.remedy = remedy
         advice = f" {remedy}." if remedy else ""
-        super().__init__(f"{self.label} {self.path!r}: {what}.{advice}")
+        super().__init__(f"{self.label} {shortened(self.path, _LONGEST_VALUE)}: {what}.{advice}")
 
 
 class GainsFileError(DataFileError):

@@ -54,7 +54,8 @@ class Interface:
 
     Raises:
         UnknownNameError: an environment that is not registered, or a keyword that it does not declare.
-        InvalidValueError: a revision below 1.
+        InvalidValueError: a revision below 1; an observation or action of more than 10,000 components; a
+            keyword that is not allowed.
     """
 
     environment_id: str
@@ -66,6 +67,10 @@ class Interface:
 
     def __post_init__(self) -> None:
         check_environment(self.environment_id, self.keywords)
+        for name in ("observation", "action"):
+            size = sum(part.size for part in getattr(self, name))
+            if size > _LARGEST_PART:
+                raise InvalidValueError(f"size of the {name}", size, f"at most {_LARGEST_PART}")
         if self.environment_revision < 1:
             allowed = "a whole number, at least 1"
             raise InvalidValueError("environment_revision", self.environment_revision, allowed)

@@ -12,7 +12,7 @@ from prp_gym.artifacts import write_file
 from prp_gym.checks import choice, text
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, UnknownNameError
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"

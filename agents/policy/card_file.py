@@ -7,7 +7,9 @@ from typing import Any
 from prp_gym.agents.policy.agent_card import FORMAT, AgentCard
 from prp_gym.artifacts import to_plain
 from prp_gym.errors import AgentFileError, shortened
-from prp_gym.files import FileReader, TypedReader, checksum
+from prp_gym.files.checksum import checksum
+from prp_gym.files.file_reader import FileReader
+from prp_gym.files.typed_reader import TypedReader
 
 _KEYS = {"format", "card", "checksum"}
 _LARGEST = 16 * 2**20  # [bytes]

@@ -10,7 +10,7 @@ from stable_baselines3.common.vec_env import VecNormalize
 
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.errors import AgentFileError
-from prp_gym.files import open_regular
+from prp_gym.files.regular_file import open_regular
 
 
 def open_trusted_model(path: Path, algorithm: type[BaseAlgorithm], name: str) -> BaseAlgorithm:

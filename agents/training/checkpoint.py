@@ -19,7 +19,11 @@ from prp_gym.agents.training.run_records import StoredState
 from prp_gym.agents.training.training_state import BestPolicy, TrainingState
 from prp_gym.artifacts import require_folder
 from prp_gym.errors import CheckpointError, OutputError
-from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, check_archive, open_regular, seal, unseal
+from prp_gym.files.archive import check_archive
+from prp_gym.files.checksum import seal, unseal
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
+from prp_gym.files.regular_file import open_regular
+from prp_gym.files.typed_reader import TypedReader
 
 _PREFIX = "checkpoint-"
 _STATE, _TENSORS, _ARRAYS, _REPLAY = "state.json", "tensors.pt", "arrays.npz", "replay.npz"
@@ -245,10 +249,16 @@ def _restore_normalizer(learner: Learner, arrays: Mapping[str, Any]) -> None:
 
 
 def _restore_replay(buffer: Any, path: Path) -> None:
-    arrays = _load_arrays(path)
-    for name in _BUFFER:
-        getattr(buffer, name)[: len(arrays[name])] = arrays[name]
-    buffer.pos, buffer.full = int(arrays["position"][0]), bool(arrays["position"][1])
+    with open_regular(path) as file:
+        check_archive(path, file)
+        with np.load(file, allow_pickle=False) as arrays:
+            for name in _BUFFER:  # one by one, since they are large
+                values = arrays[name]
+                getattr(buffer, name)[: len(values)] = values
+            position, full = arrays["position"].tolist()
+    if not 0 <= position < buffer.buffer_size:
+        raise ValueError(f"{path.name} has position {position} of {buffer.buffer_size}")
+    buffer.pos, buffer.full = int(position), bool(full)
 
 
 def _restore_generators(

@@ -12,7 +12,7 @@ from prp_gym.agents.training.run_export import write_agent
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import TrainingState
 from prp_gym.artifacts import write_file, write_json
-from prp_gym.files import seal
+from prp_gym.files.checksum import seal
 
 
 def finish_run(

@@ -13,7 +13,7 @@ from prp_gym.agents.training.model import Learner
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import BestPolicy, CurveRow, TrainingState
 from prp_gym.artifacts import require_folder, write_json
-from prp_gym.files import seal
+from prp_gym.files.checksum import seal
 
 _TELL_EVERY = 0.5  # s
 

@@ -12,7 +12,7 @@ from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.sb3.settings import ENVIRONMENTS, TIMESTEPS
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import DataTextError, InvalidValueError, UnknownNameError
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 from prp_gym.files.limits import DEPTH
 from prp_gym.files.yaml_text import parse_yaml
 from prp_gym.tasks.registration import list_envs

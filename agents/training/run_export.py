@@ -16,7 +16,8 @@ from prp_gym.agents.training.model import Learner, make_learner
 from prp_gym.agents.training.recipes import Recipe, make_recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.errors import RunFolderError
-from prp_gym.files import check_archive, open_regular
+from prp_gym.files.archive import check_archive
+from prp_gym.files.regular_file import open_regular
 
 ValueT = TypeVar("ValueT")
 

@@ -1,6 +1,7 @@
 """`RunFolder`: the files of a training run, and whether it is finished or may be resumed."""
 
 import hashlib
+import os
 import shutil
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
@@ -14,13 +15,15 @@ from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.run_records import RunCurve, RunFacts, RunResult
 from prp_gym.artifacts import list_versions, prepare_folder, to_plain, write_file, write_json
 from prp_gym.errors import DataFileError, InvalidValueError, RunFolderError, shortened
-from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, seal, unseal_or_former
+from prp_gym.files.checksum import seal, unseal_or_former
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
+from prp_gym.files.typed_reader import TypedReader
 from prp_gym.processes.folder_lock import LOCK, FolderLock
 
 _RESERVED = ".command.lock"
 _LOCKS = frozenset((LOCK, _RESERVED))
 _PACKAGES = ("stable-baselines3", "sb3-contrib", "torch")
-_RECORDS = FileReader(RECORD_SIZE)
+_RECORDS, _SETTINGS = FileReader(RECORD_SIZE), FileReader()
 
 ContentT = TypeVar("ContentT")
 
@@ -73,12 +76,12 @@ class RunFolder:
     @property
     def is_finished(self) -> bool:
         """Whether the training is complete."""
-        return self.result.exists()
+        return os.path.exists(self.result)
 
     @property
     def is_begun(self) -> bool:
         """Whether the folder holds a run."""
-        return self.config.exists()
+        return os.path.exists(self.config)
 
     def read_result(self) -> dict[str, Any]:
         """The result of a finished run.
@@ -122,9 +125,8 @@ class RunFolder:
         """
         digest = self.read_facts().recipe_sha256
         try:
-            content = _RECORDS.read_bytes(self.config)
-            text = _RECORDS.decode(self.config, content)
-            recipe = _RECORDS.parse_yaml(self.config, text)
+            content = _SETTINGS.read_bytes(self.config)
+            recipe = _SETTINGS.parse_yaml(self.config, _SETTINGS.decode(self.config, content))
         except DataFileError as error:
             raise RunFolderError(self.path, f"its recipe cannot be read ({error})") from error
         if not isinstance(recipe, dict) or not {"algorithm", "environment"} <= set(recipe):

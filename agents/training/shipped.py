@@ -7,7 +7,8 @@ from pathlib import Path
 from prp_gym.agents.sb3.packages import require
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.errors import DataFileError, InvalidValueError, shortened
-from prp_gym.files import FileReader, TypedReader
+from prp_gym.files.file_reader import FileReader
+from prp_gym.files.typed_reader import TypedReader
 
 _LIST = Path(__file__).with_name("shipped.yml")
 

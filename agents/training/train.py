@@ -27,7 +27,7 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.training_state import CurveRow, TrainingState
 from prp_gym.artifacts import write_json
 from prp_gym.errors import OutputError, RunFolderError
-from prp_gym.files import seal
+from prp_gym.files.checksum import seal
 
 _TO_GO_ON = "To resume it, give --resume; to start over, --fresh"
 

@@ -10,7 +10,7 @@ from prp_gym.baselines.base.policy import Baseline
 from prp_gym.baselines.base.settings import Settings
 from prp_gym.checks import instance
 from prp_gym.errors import GainsFileError
-from prp_gym.files import SETTINGS_SIZE, FileReader
+from prp_gym.files.file_reader import SETTINGS_SIZE, FileReader
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.tasks.fields import ObservationLayout
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from prp_gym.checks import choice
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 from prp_gym.tasks.scenario import Scenario
 
 

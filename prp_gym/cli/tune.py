@@ -19,7 +19,7 @@ from prp_gym.artifacts import list_versions, to_plain, write_json
 from prp_gym.cli.options import Plugins, Settings
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.evaluation.evaluate import episodes_to_run
-from prp_gym.files import seal
+from prp_gym.files.checksum import seal
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice

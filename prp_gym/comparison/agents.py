@@ -1,6 +1,7 @@
 """Learned agents to compare: their files, and the contents of their cards."""
 
 import hashlib
+import os
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -127,15 +128,15 @@ def _given(path: Path) -> tuple[str, list[Path]]:
     Raises:
         InvalidValueError: there are none.
     """
-    if path.is_dir():
+    if os.path.isdir(path):
         stems = [card.with_name(_RUN) for card in sorted(path.glob(f"seed_*/{_RUN}{CARD}"))]
-        if (path / f"{_RUN}{CARD}").is_file():  # the folder of one training seed
-            return path.resolve().parent.name, [path / _RUN]
-        name = path.resolve().name
+        if os.path.isfile(path / f"{_RUN}{CARD}"):  # the folder of one training seed
+            return Path(os.path.realpath(path)).parent.name, [path / _RUN]
+        name = Path(os.path.realpath(path)).name
     else:
         stem = path.with_name(path.name.removesuffix(TENSORS).removesuffix(CARD))
-        stems = [stem] if stem.with_name(f"{stem.name}{CARD}").is_file() else []
-        run = stem.resolve().parent  # seed_<k> in a run's folder
+        stems = [stem] if os.path.isfile(stem.with_name(f"{stem.name}{CARD}")) else []
+        run = Path(os.path.realpath(stem)).parent  # seed_<k> in a run's folder
         name = run.parent.name if stem.name == _RUN else _SEED.sub("", stem.name)
     if not stems:
         allowed = f"an agent's {TENSORS} and {CARD}, or a folder with seed_*/{_RUN}{TENSORS}"

@@ -6,10 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from prp_gym.errors import DataFileError, DataTextError
-from prp_gym.files.json_text import parse_json
 from prp_gym.files.regular_file import read_bytes
-from prp_gym.files.toml_text import parse_toml
-from prp_gym.files.yaml_text import parse_yaml
 
 SETTINGS_SIZE = 256 * 2**10
 """Largest size of a file that people write: recipes, gains, lists of agents [bytes]."""
@@ -54,7 +51,7 @@ class FileReader:
         Raises:
             DataFileError: a file that cannot be read, or that is not strict JSON.
         """
-        return self._parsed(path, self.read_text(path), parse_json)
+        return self.parse_json(path, self.read_bytes(path))
 
     def read_toml(self, path: Path) -> dict[str, Any]:
         """The table that a TOML file holds; see `parse_toml`.
@@ -83,6 +80,8 @@ class FileReader:
         Raises:
             DataFileError: content that is not strict JSON.
         """
+        from prp_gym.files.json_text import parse_json  # a file needs one of the three
+
         return self._parsed(path, self.decode(path, content), parse_json)
 
     def parse_toml(self, path: Path, text: str) -> dict[str, Any]:
@@ -95,6 +94,8 @@ class FileReader:
         Raises:
             DataFileError: text that is not plain TOML.
         """
+        from prp_gym.files.toml_text import parse_toml
+
         table: dict[str, Any] = self._parsed(path, text, parse_toml)
         return table
 
@@ -109,6 +110,8 @@ class FileReader:
             DataFileError: text that is not plain YAML.
             MissingPackageError: PyYAML is not installed.
         """
+        from prp_gym.files.yaml_text import parse_yaml
+
         return self._parsed(path, text, parse_yaml)
 
     def decode(self, path: Path, content: bytes) -> str:

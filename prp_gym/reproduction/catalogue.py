@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from prp_gym.errors import InvalidValueError, UnknownNameError
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 from prp_gym.files.toml_text import parse_toml
 from prp_gym.reproduction import contact_predictions  # noqa: F401 - registers its formulas
 from prp_gym.reproduction.experiment import (

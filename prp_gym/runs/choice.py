@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from prp_gym.errors import DataTextError, GainsFileError, InvalidValueError
-from prp_gym.files import SETTINGS_SIZE, FileReader
+from prp_gym.files.file_reader import SETTINGS_SIZE, FileReader
 from prp_gym.files.toml_text import parse_toml
 
 TUNED = "tuned"

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from prp_gym.artifacts import write_json
-from prp_gym.files import RECORD_SIZE, FileReader, seal
+from prp_gym.files.checksum import seal
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.code import running_code
 from prp_gym.runs.job import Job, Record

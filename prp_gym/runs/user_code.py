@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any, NoReturn, Self
 
 from prp_gym.errors import DataFileError, InvalidValueError, MissingFieldError, PRPError, UserCodeError
-from prp_gym.files import RECORD_SIZE, FileReader
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.plugins import digest_module, error_line, error_reason, search_current_folder
 
 _FILE = ".py"

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 from prp_gym.tasks.reward import RewardTerm
 from prp_gym.tasks.scenario import Range, Scenario
 

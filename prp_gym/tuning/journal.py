@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from prp_gym.errors import DataFileError, DataTextError
-from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, checksum
-from prp_gym.files.checksum import KEY
+from prp_gym.files.checksum import KEY, checksum
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.files.json_text import parse_json
+from prp_gym.files.typed_reader import TypedReader
 from prp_gym.tuning.candidates import Space
 
 JOURNAL = "study.log"

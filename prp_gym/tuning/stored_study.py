@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from copy import copy
 from pathlib import Path
@@ -115,10 +116,10 @@ class StoredStudy:
 
     def _open_journal(self, folder: Path, resume: bool) -> optuna.Study:
         path = self._path = folder / JOURNAL
-        if path.exists() and not resume:
+        if os.path.exists(path) and not resume:
             raise InvalidValueError("output", str(folder), "a folder without a search, or --resume to go on")
         prepare_folder(folder)
-        kept = read_key(path, self._space) if path.exists() else {}
+        kept = read_key(path, self._space) if os.path.exists(path) else {}
         if kept and kept != self._key:
             names = sorted(
                 name for name in kept.keys() | self._key.keys() if kept.get(name) != self._key.get(name)
@@ -162,7 +163,7 @@ def _import_optuna() -> Any:
 
 def _repair(path: Path) -> None:
     """Take away what a killed run may have left: a line that it did not finish."""
-    if path.exists():
+    if os.path.exists(path):
         content = path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]
         if whole != content:

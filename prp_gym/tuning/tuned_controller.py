@@ -11,7 +11,9 @@ from typing import Any
 
 from prp_gym.baselines import CONTROLLERS, Baseline, ControlInterface, make_baseline
 from prp_gym.errors import DataFileError, InvalidValueError, PRPError, UnknownNameError
-from prp_gym.files import RECORD_SIZE, FileReader, TypedReader, unseal_or_former
+from prp_gym.files.checksum import unseal_or_former
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
+from prp_gym.files.typed_reader import TypedReader
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
@@ -129,7 +131,7 @@ def load_tuned_controller(name_or_path: str | Path) -> TunedController:
         DataFileError: a file that does not hold a tuned controller; it says where.
     """
     path = _shipped().get(str(name_or_path), Path(name_or_path))
-    if not os.path.exists(path) or path.is_dir():
+    if not os.path.exists(path) or os.path.isdir(path):
         raise UnknownNameError("tuned controller", str(name_or_path), _shipped())
     content = unseal_or_former(path, FileReader(RECORD_SIZE).read_json(path))
     return read_tuned_controller(content, path)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from prp_gym.artifacts import prepare_folder, to_array, to_plain, write_json
 from prp_gym.errors import OutputError
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 
 PROPERTY = settings(max_examples=50, deadline=None, derandomize=True)
 NUMBERS = st.floats() | st.integers() | st.booleans() | st.none() | st.text(max_size=5)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from prp_gym.errors import DataFileError
-from prp_gym.files import seal, unseal, unseal_or_former
+from prp_gym.files.checksum import seal, unseal, unseal_or_former
 
 PATH = Path("result.json")
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from prp_gym.errors import DataFileError, GainsFileError
-from prp_gym.files import SETTINGS_SIZE, FileReader, open_regular
+from prp_gym.files.file_reader import SETTINGS_SIZE, FileReader
+from prp_gym.files.regular_file import open_regular
 
 READER = FileReader()
 

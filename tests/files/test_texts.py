@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prp_gym.errors import DataTextError
-from prp_gym.files import SETTINGS_SIZE
+from prp_gym.files.file_reader import SETTINGS_SIZE
 from prp_gym.files.json_text import parse_json
 from prp_gym.files.toml_text import parse_toml
 from prp_gym.files.yaml_text import parse_yaml

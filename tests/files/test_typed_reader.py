@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from prp_gym.errors import DataFileError, InvalidValueError
-from prp_gym.files import TypedReader
+from prp_gym.files.typed_reader import TypedReader
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from prp_gym.agents.policy import agent_file
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.card_file import pack_card, unpack_card
 from prp_gym.errors import AgentFileError
-from prp_gym.files import FileReader
+from prp_gym.files.file_reader import FileReader
 from tests.support.agent_files import (
     POLICY,
     card_of,
@@ -61,6 +61,10 @@ def saved(tmp_path: Path) -> Path:
             "size of part 'joint_position' is 0; allowed: 1",
         ),
         (put("interface", "observation", 0, "size", value=10**12), "size of part 'joint_position'"),
+        (
+            put("interface", "observation", value=[{"name": f"x{n}", "size": 10_000} for n in range(5000)]),
+            "size of the observation is 50000000; allowed: at most 10000",
+        ),
         (put("interface", "features", 0, value="x"), "unknown list of features"),
         (
             put("interface", "action", 0, "size", value=2),

@@ -22,7 +22,7 @@ from prp_gym.artifacts import write_json
 from prp_gym.cli.main import app
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import AgentFileError, InvalidValueError, PRPError, RunFolderError, UnknownNameError
-from prp_gym.files import seal, unseal
+from prp_gym.files.checksum import seal, unseal
 from tests.support.agent_files import POLICY, put, refusal, rewrite
 from tests.support.synthetic_agents import ID
 from tests.support.training_runs import tiny_job

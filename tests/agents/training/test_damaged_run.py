@@ -20,7 +20,7 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.train import is_ready, train
 from prp_gym.artifacts import write_json
 from prp_gym.errors import CheckpointError, PRPError, RunFolderError
-from prp_gym.files import unseal
+from prp_gym.files.checksum import unseal
 from tests.support.damage import damaged
 from tests.support.training_runs import interrupted, tiny_job
 

@@ -16,7 +16,7 @@ from prp_gym.agents.training.model import make_learner
 from prp_gym.agents.training.recipes import load_recipe
 from prp_gym.agents.training.train import TrainingJob, train
 from prp_gym.errors import InvalidValueError, PRPError
-from prp_gym.files import seal
+from prp_gym.files.checksum import seal
 from tests.support.training_runs import ID, assert_same_weights, read, tiny_job, weights_of
 
 LEARNING: dict[str, tuple[str, ...]] = {
