@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+_LONGEST_PATH = 400  # characters of a path in a message
 _LONGEST_NAME = 100  # characters; a longer text is no misspelt name
 _MOST_BITS = 512  # of an integer that is written out
 _MOST_BYTES = 512  # of an array that is written out
@@ -264,7 +265,7 @@ class DataFileError(PRPError, ValueError):
         self.what = what
         self.remedy = remedy
         advice = f" {remedy}." if remedy else ""
-        super().__init__(f"{self.label} {shortened(self.path, _LONGEST_VALUE)}: {what}.{advice}")
+        super().__init__(f"{self.label} {shortened(self.path, _LONGEST_PATH)}: {what}.{advice}")
 
 
 class GainsFileError(DataFileError):

@@ -18,8 +18,8 @@ from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.network import Network
 from prp_gym.agents.training.recipes import load_recipe
 from prp_gym.agents.training.run_folder import RunFolder
-from prp_gym.artifacts import read_json
 from prp_gym.envs import PRPEnv
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.tuning.tuned_controller import load_tuned_controller
 
 _AGENT = "PRP-Adaptive-v0/ppo_torque_seed_0"
@@ -171,7 +171,7 @@ def _prepare_files(folder: Path) -> Prepared:
 def _read_plain(path: Path) -> object:
     """What a results file holds; one that is not JSON is a `ValueError`, which the stores expect."""
     try:
-        return read_json(path)
+        return FileReader(RECORD_SIZE).read_json(path)
     except ValueError:
         return None
 
