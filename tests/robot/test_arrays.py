@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from prp_gym.robot.arrays import (
-    Array,
     apply,
     apply_transposed,
     dot,
@@ -76,7 +75,7 @@ def test_solutions_are_those_of_lapack(damping: float) -> None:
 
 
 def test_pseudoinverse_and_products_of_matrices_are_those_of_lapack_and_blas() -> None:
-    inverse: Array = np.linalg.pinv(MATRICES)
+    inverse = np.linalg.pinv(MATRICES).astype(np.float64)
     np.testing.assert_allclose(pseudoinverse_transposed(MATRICES), inverse.mT, atol=ROUNDING)
     np.testing.assert_allclose(multiply(inverse, MATRICES), inverse @ MATRICES, atol=1e-13)
 
