@@ -32,9 +32,6 @@ __all__ = [
     "total",
 ]
 
-_FEW = 24
-"""Up to so many components are faster as numbers than as arrays; the operations are the same."""
-
 _INVERTIBLE = "one that can be inverted"
 _LOWER = ((0, 0), (1, 0), (2, 0), (1, 1), (2, 1), (2, 2))
 
@@ -97,14 +94,16 @@ def total(values: Array) -> Array:
 
 def dot(left: Array, right: Array) -> Array:
     """Scalar product over the last axis, summed in order: (..., n), (..., n) -> (...)."""
+    if left.ndim == right.ndim == 2 and len(left) == len(right) == 1:
+        return np.array([reduce(add, map(mul, *left.tolist(), *right.tolist()))])
     return total(left * right)
 
 
 def norm(vector: Array) -> Array:
     """Euclidean norm over the last axis, summed in order: (..., n) -> (...)."""
-    if vector.shape[-1] == 3 and vector.ndim > 1 and vector.size <= _FEW:
-        rows = vector.reshape(-1, 3).tolist()
-        return np.array([math.sqrt(x * x + y * y + z * z) for x, y, z in rows]).reshape(vector.shape[:-1])
+    if vector.ndim == 2 and len(vector) == 1:
+        (row,) = vector.tolist()
+        return np.array([math.sqrt(reduce(add, map(mul, row, row)))])
     length: Array = np.sqrt(total(vector * vector))
     return length
 
