@@ -1,5 +1,6 @@
 """Files of Stable-Baselines3, which can run code when they are opened: for files of trusted authors only."""
 
+import os
 import pickle
 from pathlib import Path
 
@@ -17,15 +18,17 @@ def open_trusted_model(path: Path, algorithm: type[BaseAlgorithm], name: str) ->
     """A model as Stable-Baselines3 saved it; code in the file is run.
 
     Args:
-        path: path of the zip file.
+        path: path of the zip file, with or without its suffix.
         algorithm: class of the algorithm that trained the model.
         name: name of the algorithm, for messages.
 
     Raises:
         AgentFileError: the file is not such a model.
     """
+    zipped = Path(f"{path}.zip")
+    found = path if os.path.exists(path) or not os.path.exists(zipped) else zipped
     try:
-        with open_regular(path, AgentFileError) as file:
+        with open_regular(found, AgentFileError) as file:
             return algorithm.load(file, device="cpu")
     except AgentFileError:
         raise

@@ -19,7 +19,7 @@ from prp_gym.cli.main import app
 from prp_gym.comparison import agents as compared_agents
 from prp_gym.comparison import jobs as comparison_jobs
 from prp_gym.comparison.outcome import Outcome
-from prp_gym.errors import InvalidValueError
+from prp_gym.errors import DataFileError, InvalidValueError
 from prp_gym.evaluation import evaluate
 from prp_gym.runs import run as runs
 from prp_gym.runs.controllers import Controllers
@@ -287,7 +287,7 @@ def test_damaged_file_of_a_tuned_controller_is_refused_before_anything_is_writte
     path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
     path.write_text(path.read_text(encoding="utf-8").replace("trials", "trails"), encoding="utf-8")
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
-    assert isinstance(result.exception, InvalidValueError)
+    assert isinstance(result.exception, DataFileError)
     assert "joint_pd.json" in str(result.exception)
     assert not (tmp_path / "out").exists()
 
