@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from bench.marked_process import MarkedProcess
+from bench.tagged_process import TaggedProcess
 
 LIMIT = 2.0  # s
 WITH_WORKERS = {
@@ -41,7 +41,7 @@ def seconds_of_orphans(name: str, number: signal.Signals, delay: float, folder: 
         delay: seconds between the start of the workers and the signal.
         folder: working folder.
     """
-    command = MarkedProcess(WITH_WORKERS[name], folder, {})
+    command = TaggedProcess(WITH_WORKERS[name], folder, {})
     try:
         command.wait_for_workers(_PROCESSES)
         time.sleep(delay)

@@ -11,8 +11,8 @@ from rich.console import Console
 from bench.kill_case import CASES, OUTPUT
 from bench.kill_trial import KillTrial, run_to_end
 from bench.kills import KillTally, kill_often, tally_table
-from bench.marked_process import MarkedProcess
 from bench.orphans import seconds_of_orphans
+from bench.tagged_process import TaggedProcess
 from prp_gym.errors import UnknownNameError
 
 needs_proc = pytest.mark.skipif(
@@ -67,7 +67,7 @@ def test_workers_end_with_their_command(tmp_path: Path, number: signal.Signals) 
 
 @needs_proc
 def test_descendants_are_found_after_their_parent_has_ended(tmp_path: Path) -> None:
-    command = MarkedProcess(("--version",), tmp_path, {})
+    command = TaggedProcess(("--version",), tmp_path, {})
     assert command.wait(60.0) == 0
     assert command.seconds_to_end(10.0) < 10.0
     assert command.alive() == []

@@ -130,7 +130,7 @@ def test_content_that_is_no_json_leaves_the_old_file(tmp_path: Path, content: di
     assert [entry.name for entry in tmp_path.iterdir()] == ["results.json"]
 
 
-@pytest.mark.parametrize("call", ["os.replace", "pathlib.Path.write_bytes"])
+@pytest.mark.parametrize("call", ["os.replace", "os.fsync"])
 @pytest.mark.parametrize(
     ("error", "seen"),
     [(OSError("disk full"), OutputError), (KeyboardInterrupt(), KeyboardInterrupt)],

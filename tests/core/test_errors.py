@@ -11,6 +11,7 @@ from prp_gym.errors import (
     AgentFileError,
     CheckpointError,
     EpisodeError,
+    FolderInUseError,
     GainsFileError,
     InvalidValueError,
     JointLimitError,
@@ -41,6 +42,7 @@ WITH_FACTS = [
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
     CheckpointError("checkpoint-000000000512", "the checksum of tensors.pt does not match"),
     RunFolderError("runs/seed_0", "it holds an unfinished run"),
+    FolderInUseError("runs/seed_0", "process 12 on host since noon (prp-gym train)"),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
     GainsFileError("my.toml", "No such file or directory"),
@@ -76,7 +78,7 @@ def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> No
     assert isinstance(error, PRPError)
     of_a_state = (
         *(CheckpointError, EpisodeError, MissingPackageError, OutputError, PluginError),
-        *(RenderingError, RunFolderError, UserCodeError),
+        *(FolderInUseError, RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 
