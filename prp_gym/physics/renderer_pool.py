@@ -15,7 +15,7 @@ _NOT_DRAWN = (
     "body_",
     "dof_",
     "pair_sol",
-)  # masses, friction, and poses, which are drawn as the data has them
+)  # masses, friction, and poses, which come from the data
 
 
 @dataclass
