@@ -103,7 +103,7 @@ def test_interrupted_training_says_at_which_step_it_is_kept(
     assert [path.name for path in (tmp_path / TRAINED).parent.iterdir()] == ["seed_0"]
 
 
-def test_interrupted_search_says_how_many_trials_are_kept(
+def test_interrupted_search_says_how_many_steps_are_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = tuning.StoredStudy
@@ -111,6 +111,6 @@ def test_interrupted_search_says_how_many_trials_are_kept(
         patch.setattr(study, "record", then_signal(study.record, signal.SIGTERM))
         assert run_until_exit(TUNE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
-    assert "interrupted: 1 trials with 5000 steps are kept in" in told
-    assert "--resume goes on from there" in told
+    assert "interrupted: 2500 steps of the budget are kept in" in told
+    assert "the same command with --resume goes on there" in told
     assert [path.name for path in (tmp_path / TUNED).iterdir()] == ["study.log"]
