@@ -11,17 +11,18 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from prp_gym.agents.training import progress
+from prp_gym.agents.training.checkpoint import write_checkpoint
 from prp_gym.agents.training.run_folder import RunFolder
-from prp_gym.cli import tune as tuning
 from prp_gym.cli.main import app, main
 from prp_gym.errors import FolderInUseError
 from prp_gym.processes.folder_lock import FolderLock
-from prp_gym.runs import run as runs
+from prp_gym.runs.store import JobStore
+from prp_gym.tuning.stored_study import StoredStudy
 
 ENVIRONMENT, CONTROLLER = "PRP-Adaptive-v0", "joint_pd"
 TUNED = f"{ENVIRONMENT}_{CONTROLLER}"
 TRAINED = Path(ENVIRONMENT, "ppo_torque", "seed_1")
+WRITE = "prp_gym.agents.training.progress.write_checkpoint"
 EVALUATE = (
     *("evaluate", "--env", ENVIRONMENT, "--baseline", CONTROLLER, "--baseline", "adaptive"),
     *("--scenario", "randomized", "--episodes", "1", "--jobs", "1"),
@@ -79,7 +80,7 @@ def test_interrupted_evaluation_says_how_many_jobs_are_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(runs.JobStore, "keep", then_signal(runs.JobStore.keep, signal.SIGTERM))
+        patch.setattr(JobStore, "keep", then_signal(JobStore.keep, signal.SIGTERM))
         assert run_until_exit(EVALUATE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
     assert "interrupted: 1 of 2 jobs are kept in" in told
@@ -94,7 +95,7 @@ def test_interrupted_training_says_at_which_step_it_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(progress, "write_checkpoint", then_signal(progress.write_checkpoint, signal.SIGHUP))
+        patch.setattr(WRITE, then_signal(write_checkpoint, signal.SIGHUP))
         assert run_until_exit(TRAIN, tmp_path, monkeypatch) == 129
     told = " ".join(capsys.readouterr().err.split())
     assert "PRP-Adaptive-v0 ppo_torque seed 0 is kept at step 128" in told
@@ -106,9 +107,8 @@ def test_interrupted_training_says_at_which_step_it_is_kept(
 def test_interrupted_search_says_how_many_steps_are_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    study = tuning.StoredStudy
     with monkeypatch.context() as patch:
-        patch.setattr(study, "record", then_signal(study.record, signal.SIGTERM))
+        patch.setattr(StoredStudy, "record", then_signal(StoredStudy.record, signal.SIGTERM))
         assert run_until_exit(TUNE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
     assert "interrupted: 2500 steps of the budget are kept in" in told
