@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.kill_case import OUTPUT, KillCase, read_whole
-from bench.marked_process import MarkedProcess
+from bench.tagged_process import TaggedProcess
 from prp_gym.errors import InvalidValueError
 
 _LIMIT = 600.0  # s, of a command to its end
@@ -51,7 +51,7 @@ class KillTrial:
 
     def _end(self, folder: Path) -> list[str]:
         """Run the command up to the signal."""
-        command = MarkedProcess((*self.case.arguments, "--output", OUTPUT), folder, {})
+        command = TaggedProcess((*self.case.arguments, "--output", OUTPUT), folder, {})
         try:
             time.sleep(self.delay)
             command.end(self.number)
@@ -66,7 +66,7 @@ class KillTrial:
 
 def run_to_end(arguments: tuple[str, ...], folder: Path) -> tuple[list[int], list[str]]:
     """Run a command to its end; the id of its process, and what is wrong with it."""
-    command = MarkedProcess(arguments, folder, {})
+    command = TaggedProcess(arguments, folder, {})
     try:
         code = command.wait(_LIMIT)
         found = [f"exit code {code}: {command.errors()[-500:]}"] if code else []
@@ -116,7 +116,7 @@ def _names(folder: Path) -> set[str]:
 def _left(folder: Path, ids: list[int]) -> list[str]:
     """Temporary files and shared memory of ended processes."""
     shared = _SHARED_MEMORY.iterdir() if _SHARED_MEMORY.is_dir() else ()
-    marks = [f"{sign}{number}{sign}" for number in ids for sign in "-_"]
-    own = [path for path in shared if any(mark in path.name for mark in marks)]
+    endings = [f"{sign}{number}{sign}" for number in ids for sign in "-_"]
+    own = [path for path in shared if any(ending in path.name for ending in endings)]
     temporary = [path for path in (folder / "tmp").iterdir() if not path.name.startswith(_CACHE)]
     return [str(path) for path in (*temporary, *own)]

@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from bench.marked_process import MarkedProcess
+from bench.tagged_process import TaggedProcess
 
 LIMIT = 2.0  # s
 WITH_WORKERS = {
@@ -41,7 +41,7 @@ def seconds_of_orphans(name: str, number: signal.Signals, delay: float, folder: 
         delay: seconds between the start of the workers and the signal.
         folder: working folder.
     """
-    command = MarkedProcess(WITH_WORKERS[name], folder, {})
+    command = TaggedProcess(WITH_WORKERS[name], folder, {})
     try:
         command.wait_for_workers(_PROCESSES)
         time.sleep(delay)
@@ -60,13 +60,18 @@ app = typer.Typer(add_completion=False)
 
 
 @app.command()
-def main(tries: Annotated[int, typer.Option(min=1, help="Tries of each command and signal.")] = 20) -> None:
+def main(
+    tries: Annotated[int, typer.Option(min=1, help="Tries of each command and signal.")] = 20,
+    command: Annotated[
+        list[str] | None, typer.Option(help=f"Command: {', '.join(WITH_WORKERS)}; repeatable. Default: all.")
+    ] = None,
+) -> None:
     """Send SIGTERM and SIGKILL to commands with two workers; exit code 1 if one lives longer than 2 s."""
     table = Table(title=f"{tries} tries each; seconds until no process is alive", title_justify="left")
     for header in ("command", "signal", "median", "longest", f"longer than {LIMIT:g} s"):
         table.add_column(header, justify="left" if header in ("command", "signal") else "right")
     late = 0
-    for name in WITH_WORKERS:
+    for name in command or WITH_WORKERS:
         for number in (signal.SIGTERM, signal.SIGKILL):
             took = sorted(_in_new_folder(name, number, 0.2 * (index % 10)) for index in range(tries))
             over = sum(seconds > LIMIT for seconds in took)

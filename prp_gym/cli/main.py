@@ -66,6 +66,9 @@ def main() -> None:
         except PRPError as error:
             make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
             sys.exit(_USAGE_ERROR)
+        except OSError as error:  # of standard output, for instance: a full disk or a closed pipe
+            print(f"error: {error}", file=sys.stderr)
+            sys.exit(_USAGE_ERROR)
         except Interruption as interruption:
             make_console(stderr=True).print(interruption.message, markup=False, highlight=False)
             sys.exit(interruption.exit_code)

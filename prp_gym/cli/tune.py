@@ -106,7 +106,7 @@ def tune_command(
 def _kept(study: StoredStudy, folder: Path) -> str:
     """What an interrupted search has kept."""
     steps = sum(trial.steps for trial in study.trials)
-    return f"{len(study.trials)} trials with {steps} steps are kept in {folder}; --resume goes on from there"
+    return f"{steps} steps of the budget are kept in {folder}; the same command with --resume goes on there"
 
 
 def _one_name(controller: str | None, baseline: str | None) -> str:

@@ -11,7 +11,11 @@ import mujoco
 import numpy as np
 
 _MOST_GEOMS = 1000
-_NOT_DRAWN = ("body_", "dof_", "pair_")  # masses, friction, and poses, which are drawn as the data has them
+_NOT_DRAWN = (
+    "body_",
+    "dof_",
+    "pair_sol",
+)  # masses, friction, and poses, which come from the data
 
 
 @dataclass

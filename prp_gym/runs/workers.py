@@ -2,6 +2,7 @@
 
 import os
 import socket
+import sys
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -12,6 +13,7 @@ from typing import Any, TypeVar
 import joblib
 from cloudpickle import register_pickle_by_value
 from joblib.externals.loky import get_reusable_executor
+from joblib.externals.loky.backend import resource_tracker
 
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
 from prp_gym.plugins import load_modules, loaded_plugins
@@ -96,10 +98,21 @@ def _parallel(jobs: int, **options: Any) -> Any:
     return joblib.Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, **options)
 
 
+def _start_quiet_tracker() -> None:
+    """Start loky's tracker of semaphores, which clears up after a killed command, without its warnings."""
+    quiet = f"ignore::UserWarning:{resource_tracker.__name__}"
+    sys.warnoptions.append(quiet)  # options that processes inherit
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        sys.warnoptions.remove(quiet)
+
+
 @contextmanager
 def _processes(jobs: int, items: int) -> Iterator[Any]:
     """Processes of this machine, each with one thread for linear algebra, which end with this process."""
     count = min(jobs or joblib.cpu_count(), items)
+    _start_quiet_tracker()
     register_pickle_by_value(parent)  # so that a worker waits for its parent's end before it imports anything
     with joblib.parallel_config("loky", inner_max_num_threads=1):
         parallel = _parallel(

@@ -162,7 +162,8 @@ def _import_optuna() -> Any:
 
 
 def _repair(path: Path) -> None:
-    """Take away what a killed run may have left: a line that it did not finish."""
+    """Take away what a killed run may have left: Optuna's lock, and a line that it did not finish."""
+    path.with_name(f"{path.name}.lock").unlink(missing_ok=True)  # of version 0.1, which used that lock
     if os.path.exists(path):
         content = path.read_bytes()
         whole = content[: content.rfind(b"\n") + 1]

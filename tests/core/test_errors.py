@@ -17,6 +17,7 @@ from prp_gym.errors import (
     DataFileError,
     DataTextError,
     EpisodeError,
+    FolderInUseError,
     GainsFileError,
     InvalidValueError,
     JointLimitError,
@@ -50,6 +51,7 @@ WITH_FACTS = [
     UnreachableError((0.1, 0.0, 0.15), 0.3, ("too near",)),
     CheckpointError("checkpoint-000000000512", "the checksum of tensors.pt does not match"),
     RunFolderError("runs/seed_0", "it holds an unfinished run"),
+    FolderInUseError("runs/seed_0", "process 12 on host since noon (prp-gym train)"),
     MissingFieldError("impedance", ("contact_force",), ("joint_position", "joint_velocity")),
     AgentFileError("agent.json", "is not a JSON file"),
     DataFileError("result.json", "is a directory", "Move it away"),
@@ -120,7 +122,7 @@ def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> No
     assert isinstance(error, PRPError)
     of_a_state = (
         *(CheckpointError, EpisodeError, MissingPackageError, OutputError, PluginError),
-        *(RenderingError, RunFolderError, UserCodeError),
+        *(FolderInUseError, RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 

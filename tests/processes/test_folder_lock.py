@@ -59,7 +59,7 @@ def test_locks_of_two_names_do_not_exclude_each_other(tmp_path: Path) -> None:
         assert len(list(tmp_path.iterdir())) == 2
 
 
-def test_only_one_of_many_has_the_lock_whoever_removes_its_file(tmp_path: Path) -> None:
+def test_only_one_of_many_has_the_lock_also_when_its_file_is_removed(tmp_path: Path) -> None:
     """A file that is removed while another process waits to lock it must not be locked by two."""
     inside, most, refused = [0], [0], [0]
     guard = threading.Lock()

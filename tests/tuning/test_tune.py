@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,11 +17,12 @@ import numpy as np
 import pytest
 
 from prp_gym.baselines import make_baseline
-from prp_gym.errors import InvalidValueError, MissingPackageError
+from prp_gym.errors import InvalidValueError, MissingPackageError, OutputError
 from prp_gym.evaluation import evaluate
 from prp_gym.tuning import SearchSpace, StoredStudy, Trial, Tuned, TuningTask, make_candidates, tune
 from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.local_step import is_local, local_step, step_length
+from tests.support.full_disk import room_for
 
 ENVIRONMENT = "PRP-Compliance-v0"
 STEPS, EPISODES = 20, 3
@@ -260,6 +262,27 @@ def test_search_that_was_killed_goes_on_to_the_same_end(tmp_path: Path, whole: T
     tuned = tune(TASK, ENV, CANDIDATES, study)
     assert outline(tuned) == outline(whole)
     assert tuned.used_steps == whole.used_steps
+
+
+def test_full_disk_ends_a_search_and_it_goes_on_later(tmp_path: Path) -> None:
+    expected = synthetic(tmp_path / "whole", 6).trials
+    folder = tmp_path / "run"
+    study = synthetic(folder, 3)
+    study.propose()
+    with room_for((folder / JOURNAL).stat().st_size + 50), pytest.raises(OutputError) as caught:
+        study.record(0.5, 1, 0.0)
+    assert caught.value.path == str(folder / JOURNAL)
+    assert synthetic(folder, 6, resume=True).trials == expected
+    assert [path.name for path in folder.iterdir()] == [JOURNAL]
+
+
+def test_folder_that_is_removed_ends_a_search(tmp_path: Path) -> None:
+    study = synthetic(tmp_path / "run", 1)
+    study.propose()
+    shutil.rmtree(tmp_path / "run")
+    with pytest.raises(OutputError, match="removed or renamed"):
+        study.record(0.5, 1, 0.0)
+    assert not (tmp_path / "run").exists()
 
 
 def test_journal_is_optuna_s_own(tmp_path: Path) -> None:

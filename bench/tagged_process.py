@@ -11,12 +11,12 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-_MARK = "PRP_GYM_MARK"
+_TAG = "PRP_GYM_TAG"
 _EVERY = 0.02  # s
 
 
-class MarkedProcess:
-    """A `prp-gym` command whose processes carry a mark in their environment.
+class TaggedProcess:
+    """A `prp-gym` command whose processes carry a tag in their environment.
 
     Args:
         arguments: arguments of the command.
@@ -25,15 +25,15 @@ class MarkedProcess:
     """
 
     def __init__(self, arguments: Sequence[str], folder: Path, environment: Mapping[str, str]) -> None:
-        self._mark = uuid.uuid4().hex
+        self._tag = uuid.uuid4().hex
         self._errors = tempfile.TemporaryFile(mode="w+", encoding="utf-8")  # noqa: SIM115
         self.temporary = folder / "tmp"
         self.temporary.mkdir(exist_ok=True)
-        marked = {_MARK: self._mark, "TMPDIR": str(self.temporary), "COLUMNS": "200"}
+        tagged = {_TAG: self._tag, "TMPDIR": str(self.temporary), "COLUMNS": "200"}
         self._process = subprocess.Popen(
             [sys.executable, "-m", "prp_gym.cli.main", *arguments],
             cwd=folder,
-            env={**os.environ, **environment, **marked},
+            env={**os.environ, **environment, **tagged},
             stdout=subprocess.DEVNULL,
             stderr=self._errors,
             start_new_session=True,
@@ -42,12 +42,12 @@ class MarkedProcess:
 
     def alive(self) -> list[int]:
         """Process ids of the command and of all its descendants that are alive."""
-        mark = f"{_MARK}={self._mark}".encode()
+        tag = f"{_TAG}={self._tag}".encode()
         found = []
         for entry in Path("/proc").iterdir():
             if entry.name.isdecimal():
                 with suppress(OSError):
-                    if mark in (entry / "environ").read_bytes():
+                    if tag in (entry / "environ").read_bytes():
                         found.append(int(entry.name))
         return found
 
