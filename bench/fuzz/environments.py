@@ -42,8 +42,8 @@ def _prepare_actions(_: Path) -> Prepared:
         index, parts, strange = arguments
         env = environments[index]
         action = np.zeros(env.action_space.shape)
-        for place, value in parts.items():
-            action.flat[place % action.size] = value
+        for slot, value in parts.items():
+            action.flat[slot % action.size] = value
         outcome = env.step(action if strange is None else strange)
         if np.any(outcome[2]) or np.any(outcome[3]):
             return outcome, env.reset()

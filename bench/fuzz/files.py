@@ -92,9 +92,9 @@ def _with_line(content: bytes, rng: random.Random) -> bytes:
     """The content with the value of one line replaced."""
     lines = content.split(b"\n")
     index = rng.randrange(len(lines))
-    for mark in (b"=", b":"):
-        if mark in lines[index]:
-            lines[index] = lines[index].split(mark)[0] + mark + b" " + rng.choice(_TEXTS).encode()
+    for sign in (b"=", b":"):
+        if sign in lines[index]:
+            lines[index] = lines[index].split(sign)[0] + sign + b" " + rng.choice(_TEXTS).encode()
             break
     return b"\n".join(lines)
 
@@ -193,11 +193,11 @@ def _prepare_weights(folder: Path) -> Prepared:
     names = list(agent.network.tensors)
 
     def call(arguments: tuple[int, int, Any]) -> object:
-        index, place, value = arguments
+        index, slot, value = arguments
         tensors = {name: np.array(tensor) for name, tensor in agent.network.tensors.items()}
         number = value if isinstance(value, float) else 1e38
         with np.errstate(over="ignore", invalid="ignore"):
-            tensors[names[index % len(names)]].flat[0] = number * (1 + place)
+            tensors[names[index % len(names)]].flat[0] = number * (1 + slot)
         changed = LearnedPolicy(agent.card, agent.normalizer, Network(agent.network.shape, tensors))
         save_agent(changed, folder / "weights")
         return prp_gym.load_agent(folder / "weights").predict(np.ones(5))[0]

@@ -66,13 +66,13 @@ def _prepare_predict(_: Path) -> Prepared:
         index, parts, (observation, state, start, rows) = arguments
         policy, usual = policies[index]
         given = np.tile(usual, (rows, 1)) if rows else usual.copy()
-        for place, value in parts.items():
-            given.flat[place % given.size] = value
+        for slot, value in parts.items():
+            given.flat[slot % given.size] = value
         _, before = policy.predict(given) if isinstance(state, dict) else (None, state)
         if isinstance(state, dict) and before is not None:
             before = tuple(np.array(part) for part in before)
-            for place, value in state.items():
-                before[place % len(before)].flat[place % before[place % len(before)].size] = value
+            for slot, value in state.items():
+                before[slot % len(before)].flat[slot % before[slot % len(before)].size] = value
         return policy.predict(given if observation is None else observation, before, episode_start=start)
 
     which = st.integers(0, len(policies) - 1)
@@ -104,9 +104,9 @@ def _prepare_api(_: Path) -> Prepared:
     ]
 
     def call(arguments: tuple[int, int, Any]) -> object:
-        index, place, value = arguments
+        index, slot, value = arguments
         function, values = calls[index]
-        values = [value if number == place % len(values) else old for number, old in enumerate(values)]
+        values = [value if number == slot % len(values) else old for number, old in enumerate(values)]
         result = function(*values)
         return None if function is prp_gym.load_agent or index == len(calls) - 1 else result
 

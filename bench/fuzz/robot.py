@@ -130,9 +130,9 @@ def _prepare_surfaces(_: Path) -> Prepared:
     ]
 
     def call(arguments: tuple[int, int, Any]) -> object:
-        index, place, value = arguments
+        index, slot, value = arguments
         function, values = calls[index]
-        values = [value if number == place % len(values) else old for number, old in enumerate(values)]
+        values = [value if number == slot % len(values) else old for number, old in enumerate(values)]
         return function(*values)
 
     return Prepared(st.tuples(st.integers(0, len(calls) - 1), st.integers(0, 4), STRANGE), call)

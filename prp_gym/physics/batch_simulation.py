@@ -252,8 +252,6 @@ class Simulation(ABC):
             raise InvalidValueError(
                 "snapshot's state shape", state.integration.shape, f"{self._batch.state.shape}"
             )
-        if (state.warnings[:, _BAD_STATE, 1] < _NO_WARNING).any():  # with them MuJoCo would write to a file
-            raise InvalidValueError("snapshot's warnings", state.warnings, f"at least {_NO_WARNING}")
         self._fields.restore(state.model_fields)
         self._batch.state[:] = state.integration
         self._batch.forward(stage=self._stage)

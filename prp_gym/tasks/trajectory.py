@@ -39,11 +39,11 @@ class Trajectory(ABC):
         self._check_shapes()
 
     def _check_shapes(self) -> None:
-        """Refuse attributes that are not (N, d) alike."""
+        """Refuse attributes that are not (N, d) alike, N at least 1."""
         expected: tuple[int, ...] | None = None
         for entry in fields(self):
             shape = getattr(self, entry.name).shape
-            if len(shape) != 2 or shape != (expected or shape):
+            if len(shape) != 2 or not shape[0] or shape != (expected or shape):
                 raise ShapeError(entry.name, shape, f"{expected or '(N, d)'}")
             expected = shape
 
@@ -64,10 +64,10 @@ class Trajectory(ABC):
         """
 
     def _times(self, time: object) -> Array:
-        """Times (..., N) or (..., 1) as numbers."""
+        """Times (..., N) as numbers; of one trajectory, times of any shape."""
         times, count = as_array("time", time, "s"), len(getattr(self, fields(self)[0].name))
         check_finite("time", times, "s")
-        if times.ndim == 0 or (times.shape[-1] != count and 1 not in (times.shape[-1], count)):
+        if times.ndim == 0 or count not in (1, times.shape[-1]):
             raise ShapeError("time", times.shape, f"(..., {count})")
         return times
 
@@ -231,6 +231,7 @@ class QuinticWaypoints(Trajectory):
         if (
             self.times.ndim != 2
             or self.positions.ndim != 3
+            or not len(self.times)
             or self.times.shape[-1] < 2
             or self.positions.shape[:-1] != self.times.shape
         ):

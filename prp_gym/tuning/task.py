@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from prp_gym.errors import InvalidValueError
+from prp_gym.checks import LARGEST_WHOLE, whole
 
 TRAINING_SEEDS = 1_000_000
 """Number of episode seeds of one seed of the search; those of search k begin at (k + 1) times this."""
@@ -42,15 +40,11 @@ class TuningTask:
 
     def __post_init__(self) -> None:
         for name, least, most in (
-            ("budget", 1, np.inf),
+            ("budget", 1, LARGEST_WHOLE),
             ("episodes", 1, TRAINING_SEEDS),
             ("seed", 0, _SEARCHES - 1),
         ):
-            value = getattr(self, name)
-            whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-            if not whole or not least <= value <= most:
-                allowed = f"a whole number, at least {least}" + (f", at most {most}" if most < np.inf else "")
-                raise InvalidValueError(name, value, allowed)
+            whole(name, getattr(self, name), least, most)
 
     @property
     def first_seed(self) -> int:

@@ -289,5 +289,5 @@ def test_wrong_thresholds_and_confidences_are_refused() -> None:
             with pytest.raises(InvalidValueError, match="confidence"):
                 compare(scores, scores, generator(), confidence)
     for compare in COMPARISONS:
-        with pytest.raises(InvalidValueError, match="number of resamples is 0; allowed: at least 1"):
+        with pytest.raises(InvalidValueError, match="number of resamples is 0; allowed: a whole number"):
             compare(scores, scores, generator(), resamples=0)
