@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
-.PHONY: install evaluate reproduce test mutants lint type bench peers docs frames sweep train compare clean
+.PHONY: install evaluate reproduce test mutants lint type bench peers clients docs frames sweep train compare clean
 
 install: $(VENV)/.core
 
@@ -35,6 +35,9 @@ bench: $(VENV)/.dev peers
 peers: $(VENV)/.dev
 	$(BIN)/python -m bench.peers
 
+clients: $(VENV)/.dev
+	$(BIN)/python -m bench.clients
+
 train: $(VENV)/.agents
 	$(BIN)/prp-gym train --shipped
 	$(BIN)/prp-gym ship
@@ -52,7 +55,7 @@ frames: $(VENV)/.dev
 	$(BIN)/python -m docs.frames
 
 clean:
-	rm -rf $(VENV) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison
+	rm -rf $(VENV) .venv-peers .venv-clients build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
