@@ -2,6 +2,7 @@
 
 import json
 import sys
+import venv
 from dataclasses import asdict
 from pathlib import Path
 
@@ -70,7 +71,7 @@ def test_program_runs_in_a_folder_of_its_own_and_its_last_line_is_kept(
 def test_installation_that_fails_is_explained_and_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(environment.venv, "create", lambda *_, **__: None)
+    monkeypatch.setattr(venv, "create", lambda *_, **__: None)
     for _ in range(2):
         assert "its installation failed" in environment.install(CLIENT, tmp_path / "clients")
     assert not (tmp_path / "clients" / "new.txt").exists()
