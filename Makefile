@@ -12,8 +12,8 @@ LOWEST_TESTS ?= tests/action_modes tests/agents tests/baselines tests/conformanc
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
-.PHONY: install evaluate reproduce test test-lowest mutants fuzz kills lint type bench peers docs frames sweep train \
-        compare clean
+.PHONY: install evaluate reproduce test test-lowest mutants fuzz kills clients lint type bench peers docs frames \
+        sweep train compare clean
 
 install: $(VENV)/.core
 
@@ -52,6 +52,9 @@ bench: $(VENV)/.dev peers
 peers: $(VENV)/.dev
 	$(BIN)/python -m bench.peers
 
+clients: $(VENV)/.dev
+	$(BIN)/python -m bench.clients
+
 train: $(VENV)/.agents
 	$(BIN)/prp-gym train --shipped
 	$(BIN)/prp-gym ship
@@ -69,7 +72,8 @@ frames: $(VENV)/.dev
 	$(BIN)/python -m docs.frames
 
 clean:
-	rm -rf $(VENV) $(LOWEST) .venv-peers build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis results comparison
+	rm -rf $(VENV) $(LOWEST) .venv-peers .venv-clients build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache \
+	    .hypothesis results comparison
 
 $(VENV)/.core: pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -13,6 +13,7 @@ import gymnasium
 import typer
 
 from docs.action_modes_page import action_modes_page, modes_of
+from docs.clients_page import clients_page
 from docs.metrics_page import metrics_page
 from docs.tables import NOTE, numbers, table
 from prp_gym.baselines import CONTROLLERS, list_baselines
@@ -267,6 +268,7 @@ PAGES = {
     "baselines.md": baselines_page,
     "metrics.md": metrics_page,
     "command_line.md": command_line_page,
+    "clients.md": clients_page,
 }
 
 

@@ -1,0 +1,1 @@
+"""One short program for each library; the documentation shows them as they are."""

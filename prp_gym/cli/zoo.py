@@ -1,0 +1,36 @@
+"""The command `prp-gym zoo`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from prp_gym.agents.algorithms import ALGORITHMS
+from prp_gym.agents.training.recipes import load_recipe
+from prp_gym.agents.training.zoo_recipe import write_zoo_recipes
+from prp_gym.cli.options import Environments, Plugins
+from prp_gym.errors import InvalidValueError
+from prp_gym.tasks.registration import list_envs
+
+_SUFFIXES = (".yml", ".yaml")
+
+
+def zoo_command(
+    output: Annotated[Path, typer.Argument(help="Path of the file, which ends in .yml.")],
+    env: Environments = None,
+    algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
+    action_mode: Annotated[str | None, typer.Option(help="Action mode. Default: that of the recipe.")] = None,
+    config: Annotated[
+        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
+    ] = None,
+    plugin: Plugins = None,
+) -> None:
+    """Write the recipes of an algorithm in the form of rl-baselines3-zoo.
+
+    Its programs read the file with --conf-file, and find the environments with --gym-packages prp_gym.
+    """
+    if output.suffix not in _SUFFIXES:
+        raise InvalidValueError("file for the zoo", str(output), f"a name that ends in {_SUFFIXES[0]}")
+    recipes = [load_recipe(algo, name, action_mode, config) for name in env or list_envs()]
+    write_zoo_recipes(recipes, output)
+    typer.echo(f"{len(recipes)} recipes of {algo}: {output}")
