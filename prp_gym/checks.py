@@ -208,14 +208,14 @@ def flag(what: str, value: object) -> bool:
     return bool(value)
 
 
-def text(what: str, value: object, longest: int = _LONGEST_TEXT) -> str:
+def text(what: str, value: object) -> str:
     """Convert a value to a text.
 
     Raises:
         InvalidValueError: a value that is not a text, is empty or too long.
     """
-    if not isinstance(value, str) or not 0 < len(value) <= longest:
-        raise InvalidValueError(what, value, f"a text of 1 to {longest} characters")
+    if not isinstance(value, str) or not 0 < len(value) <= _LONGEST_TEXT:
+        raise InvalidValueError(what, value, f"a text of 1 to {_LONGEST_TEXT} characters")
     return str(value)
 
 

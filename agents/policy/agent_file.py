@@ -9,10 +9,14 @@ from prp_gym.agents.policy.agent_tensors import digest, pack_tensors, unpack_ten
 from prp_gym.agents.policy.card_file import READER, pack_card, unpack_card
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.artifacts import write_file
-from prp_gym.checks import choice, text
+from prp_gym.checks import choice
 from prp_gym.envs.config import EnvConfig
+<<<<<<< HEAD
 from prp_gym.errors import AgentFileError, UnknownNameError
 from prp_gym.files.file_reader import FileReader
+=======
+from prp_gym.errors import AgentFileError, InvalidValueError, UnknownNameError
+>>>>>>> wt-values
 from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"
@@ -62,8 +66,8 @@ def load_agent(name_or_path: str | Path) -> LearnedPolicy:
         InvalidValueError: neither a name nor a path.
         AgentFileError: a file that is missing, damaged, altered or of another kind.
     """
-    if not isinstance(name_or_path, Path):
-        text("agent", name_or_path, _LONGEST_PATH)
+    if not isinstance(name_or_path, (str, Path)) or len(str(name_or_path)) > _LONGEST_PATH:
+        raise InvalidValueError("agent", name_or_path, f"a name or path of up to {_LONGEST_PATH} characters")
     if isinstance(name_or_path, str) and name_or_path in _shipped():
         return _load(*_twins(TRAINED / _median(name_or_path)))
     tensors, card = _twins(name_or_path)

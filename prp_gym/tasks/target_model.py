@@ -2,8 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from functools import reduce
-from operator import add
 from typing import NamedTuple
 
 import numpy as np
@@ -72,7 +70,7 @@ class TargetModel:
         if not np.isfinite(transition).all():
             axes = (self.inertia.tolist(), self.damping.tolist(), self.stiffness.tolist())
             raise InvalidValueError("target model", axes, "numbers whose motion over a period is finite")
-        object.__setattr__(self, "_transition", transition)
+        object.__setattr__(self, "_transition", {3: transition[:, :, None]})
 
     def acceleration(self, displacement: Displacement, force: ArrayLike) -> Array:
         """The acceleration z̈ (..., 6) under a force h (..., 6) [N, N, N, N m, N m, N m]."""
@@ -111,8 +109,17 @@ class TargetModel:
             motion: Displacement, its rate, and the force at the start and at the end of the period
                 (4, ..., 6); the first two are replaced by those at the end.
         """
-        transition = vars(self)["_transition"].reshape(4, 2, *(1,) * (motion.ndim - 2), 6)
-        motion[:2] = reduce(add, transition * motion[:, None])
+        transition = vars(self)["_transition"].get(motion.ndim)
+        if transition is None:
+            transition = self._expand(motion.ndim)
+        # over the first axis, NumPy sums in order
+        np.add.reduce(transition * motion[:, None], axis=0, out=motion[:2])
+
+    def _expand(self, dimensions: int) -> Array:
+        """The transition (4, 2, ..., 6) for motions of so many dimensions, made once for each."""
+        known: dict[int, Array] = vars(self)["_transition"]
+        known[dimensions] = known[3].reshape(4, 2, *(1,) * (dimensions - 2), 6)
+        return known[dimensions]
 
     def _discretise(self) -> Array:
         """The map (4, 2, 6) of (z, ż, force at the start, force at the end) to (z, ż) at the end of a period.
