@@ -11,12 +11,8 @@ from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.artifacts import write_file
 from prp_gym.checks import choice
 from prp_gym.envs.config import EnvConfig
-<<<<<<< HEAD
-from prp_gym.errors import AgentFileError, UnknownNameError
-from prp_gym.files.file_reader import FileReader
-=======
 from prp_gym.errors import AgentFileError, InvalidValueError, UnknownNameError
->>>>>>> wt-values
+from prp_gym.files.file_reader import FileReader
 from prp_gym.tasks.registration import list_envs
 
 TRAINED = Path(__file__).parents[1] / "trained"
