@@ -1,6 +1,5 @@
 """The settings that a gain set, a mapping or a file gives a controller on an environment."""
 
-import math
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, fields
@@ -8,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from prp_gym.baselines.base.spec import ControllerSpec, find_controller, read_toml
-from prp_gym.errors import GainsFileError, InvalidValueError, UnknownNameError
+from prp_gym.checks import finite
+from prp_gym.errors import GainsFileError, InvalidValueError, PRPError, UnknownNameError
 from prp_gym.tasks.registration import list_envs
 
 Gains = str | Path | Mapping[str, Any]
@@ -126,13 +126,18 @@ def _gain_set(label: str, content: Mapping[str, Any], environment_id: str, file:
     values = _on(environment_id, content)
     values.pop(SOURCE, None)
     least = values.pop(MINIMUM_FREQUENCY, 0.0)
-    if isinstance(least, bool) or not isinstance(least, (int, float)) or not math.isfinite(least):
-        raise InvalidValueError(MINIMUM_FREQUENCY, least, "a finite number", "Hz")
-    return GainSet(label, values, float(least), file)
+    try:
+        frequency = float(finite(MINIMUM_FREQUENCY, least, "Hz"))
+    except (PRPError, TypeError):  # no number, not a finite one, or several
+        raise InvalidValueError(MINIMUM_FREQUENCY, least, "a finite number", "Hz") from None
+    return GainSet(label, values, frequency, file)
 
 
 def _on(environment_id: str, content: Mapping[str, Any]) -> dict[str, Any]:
     """The common values, with an environment's own in their place where it has some."""
     own: Mapping[str, Any] = content.get(environment_id, {})
     common = {key: value for key, value in content.items() if not isinstance(value, Mapping)}
-    return deepcopy({**common, **own})
+    try:
+        return deepcopy({**common, **own})
+    except Exception as error:  # objects that cannot be copied are no settings
+        raise InvalidValueError("gains", content, "names with numbers or words") from error

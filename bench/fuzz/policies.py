@@ -65,6 +65,8 @@ def _prepare_predict(_: Path) -> Prepared:
     def call(arguments: Any) -> object:
         index, parts, (observation, state, start, rows) = arguments
         policy, usual = policies[index]
+        if isinstance(state, dict) and not all(isinstance(part, int) for part in state):
+            state = list(state)
         given = np.tile(usual, (rows, 1)) if rows else usual.copy()
         for slot, value in parts.items():
             given.flat[slot % given.size] = value

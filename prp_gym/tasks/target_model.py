@@ -13,6 +13,7 @@ from prp_gym.robot.arrays import Array, as_vectors, multiply, total
 
 _SAFE_SQUARINGS = 4  # beyond those that bring the norm to 1
 _TAYLOR_TERMS = 16
+_LEAST = 1e-30  # damping and stiffness above 0
 _PERIODS = (1e-6, 1e6)  # [s]
 
 
@@ -62,8 +63,9 @@ class TargetModel:
         if not (self.inertia > 0.0).all():
             raise InvalidValueError("target inertia", self.inertia.tolist(), "above 0", "kg, kg·m²")
         for name in ("damping", "stiffness"):
-            if (getattr(self, name) < 0.0).any():
-                raise InvalidValueError(f"target {name}", getattr(self, name).tolist(), "at least 0")
+            values = getattr(self, name)
+            if ((values != 0.0) & (values < _LEAST)).any():
+                raise InvalidValueError(f"target {name}", values.tolist(), f"0, or at least {_LEAST:g}")
         object.__setattr__(self, "period", within("period", self.period, _PERIODS, "s"))
         with np.errstate(over="ignore", invalid="ignore"):
             transition = self._discretise()

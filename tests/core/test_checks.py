@@ -5,8 +5,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from prp_gym.checks import as_numbers, shaped, within
-from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.checks import (
+    LARGEST,
+    as_numbers,
+    check_finite,
+    choice,
+    components,
+    finite,
+    flag,
+    random_generator,
+    random_seed,
+    shaped,
+    text,
+    whole,
+    within,
+)
+from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
 
 NAN, INFINITY = float("nan"), float("inf")
 NO_NUMBERS: dict[str, Any] = {
@@ -86,3 +100,61 @@ def test_bounds_belong_to_what_is_allowed_and_are_named_where_they_are_passed() 
         with pytest.raises(InvalidValueError, match=r"force is .* N; allowed: -0\.25 to 100000\.") as caught:
             within("force", value, bounds, "N")
         assert caught.value.allowed == "-0.25 to 100000"
+
+
+@pytest.mark.parametrize("shape", [(), (3,), (1, 3), (40,), (2, 40)])
+@pytest.mark.parametrize("bad", [NAN, INFINITY, -INFINITY, 1e308, -2 * LARGEST])
+def test_number_that_cannot_be_computed_with_is_refused_wherever_it_stands(
+    shape: tuple[int, ...], bad: float
+) -> None:
+    numbers = np.full(shape, LARGEST / 100)
+    check_finite("speed", numbers)
+    numbers.flat[numbers.size // 2] = bad
+    with pytest.raises(InvalidValueError if np.isfinite(bad) else NonFiniteError, match="speed is"):
+        finite("speed", numbers)
+
+
+@pytest.mark.parametrize("value", [10**400, np.longdouble("1e4000"), [10**400, 1.0]])
+def test_number_beyond_float64_is_refused(value: Any) -> None:
+    with pytest.raises((InvalidValueError, NonFiniteError)):
+        finite("speed", value)
+
+
+@pytest.mark.parametrize(
+    "value", [None, 1, b"a", ["a"], np.array("a"), np.array(["a", "b"]), {}, "c", object()]
+)
+def test_word_that_is_none_of_the_choices_is_refused(value: Any) -> None:
+    with pytest.raises(UnknownNameError, match=r"unknown mode .* Valid: a, b\."):
+        choice("mode", value, ("a", "b"))
+    assert choice("mode", np.str_("a"), ("a", "b")) == "a"
+
+
+@pytest.mark.parametrize("value", [-1, 11, 2.0, True, np.timedelta64(3), "3", None, 10**400, np.array(3)])
+def test_whole_number_out_of_bounds_or_of_another_kind_is_refused(value: Any) -> None:
+    with pytest.raises(InvalidValueError, match="a whole number, at least 0, at most 10"):
+        whole("count", value, 0, 10)
+    assert [whole("count", number, 0, 10) for number in (0, np.int8(3), 10)] == [0, 3, 10]
+
+
+def test_seed_has_at_most_128_bits_as_those_of_numpy() -> None:
+    entropy = np.random.SeedSequence().entropy
+    assert random_seed("seed", entropy) == entropy
+    for value in (2**128, -1, 1.0, True, None, [1]):
+        with pytest.raises(InvalidValueError, match="seed is"):
+            random_seed("seed", value)
+
+
+def test_flags_texts_generators_and_components_are_of_their_kind() -> None:
+    assert flag("wanted", np.True_) is True
+    assert text("name", "a") == "a"
+    assert components("mass", [1, 2, 3], 3, (0.0, 3.0), "kg") == (1.0, 2.0, 3.0)
+    refused: list[Any] = [
+        lambda: flag("wanted", 1),
+        lambda: text("name", ""),
+        lambda: random_generator("rng", 0),
+        lambda: components("mass", [1, 2], 3, (0.0, 3.0), "kg"),
+        lambda: components("mass", [1, 2, 4], 3, (0.0, 3.0), "kg"),
+    ]
+    for call in refused:
+        with pytest.raises(InvalidValueError):
+            call()
