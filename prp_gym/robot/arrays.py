@@ -29,6 +29,7 @@ __all__ = [
     "pseudoinverse_transposed",
     "solve_least_squares",
     "solve_symmetric",
+    "sum_of_products",
     "total",
 ]
 
@@ -95,15 +96,24 @@ def total(values: Array) -> Array:
 def dot(left: Array, right: Array) -> Array:
     """Scalar product over the last axis, summed in order: (..., n), (..., n) -> (...)."""
     if left.ndim == right.ndim == 2 and len(left) == len(right) == 1:
-        return np.array([reduce(add, map(mul, *left.tolist(), *right.tolist()))])
+        return np.array([sum_of_products(*left.tolist(), *right.tolist())])
     return total(left * right)
+
+
+def sum_of_products(left: list[float], right: list[float]) -> float:
+    """Scalar product of numbers, summed in order."""
+    if len(left) == 3:
+        a, b, c = left
+        x, y, z = right
+        return a * x + b * y + c * z
+    return reduce(add, map(mul, left, right))
 
 
 def norm(vector: Array) -> Array:
     """Euclidean norm over the last axis, summed in order: (..., n) -> (...)."""
     if vector.ndim == 2 and len(vector) == 1:
         (row,) = vector.tolist()
-        return np.array([math.sqrt(reduce(add, map(mul, row, row)))])
+        return np.array([math.sqrt(sum_of_products(row, row))])
     length: Array = np.sqrt(total(vector * vector))
     return length
 

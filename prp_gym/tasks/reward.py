@@ -3,14 +3,12 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
-from operator import add, mul
 from typing import Any
 
 import numpy as np
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.robot.arrays import Array, norm
+from prp_gym.robot.arrays import Array, norm, sum_of_products
 
 
 @dataclass(frozen=True)
@@ -88,7 +86,7 @@ class Reward:
         scaled = errors * self._factor
         if scaled.ndim == 3 and len(scaled) == 1:  # numbers are faster than small arrays, with the same bits
             rows = zip(self._shares, *scaled.tolist(), strict=True)
-            return np.array([[w / (math.sqrt(reduce(add, map(mul, z, z))) + 1.0) for w, z in rows]])
+            return np.array([[w / (math.sqrt(sum_of_products(z, z)) + 1.0) for w, z in rows]])
         denominator = norm(scaled)
         denominator += self._one
         contributions: Array = np.divide(self._numerator, denominator, out=denominator)
