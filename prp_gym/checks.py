@@ -80,7 +80,7 @@ def check_finite(what: str, numbers: Array, unit: str = "", largest: float = LAR
         InvalidValueError: a magnitude above the largest allowed one.
     """
     if numbers.size <= _FEW:
-        if math.hypot(*numbers.ravel().tolist()) <= largest:
+        if math.hypot(*(numbers.tolist() if numbers.ndim == 1 else numbers.ravel().tolist())) <= largest:
             return
     elif np.vdot(numbers, numbers) <= largest * largest:  # cannot be NaN then; BLAS warns of no overflow
         return

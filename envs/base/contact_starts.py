@@ -14,7 +14,7 @@ from prp_gym.envs.base.tracking_starts import path_from
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, dot
 from prp_gym.tasks.fields import CONTACT_FORCE, MEASURED_FIELDS
 from prp_gym.tasks.parts import EpisodeStart, StartSampler
 from prp_gym.tasks.setup import TaskSetup
@@ -49,7 +49,7 @@ class ContactPoint:
     @property
     def offset(self) -> float:
         """Offset of the surface along its normal [m]."""
-        return float(self.normal @ self.arm.forward_kinematics(self.joint_position)[:3])
+        return float(dot(self.normal, self.arm.forward_kinematics(self.joint_position)[:3]))
 
     def near(self, offsets: Array) -> Array:
         """Joint positions at given depths below the surface.

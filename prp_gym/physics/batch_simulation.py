@@ -107,6 +107,7 @@ class Simulation(ABC):
         self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # numbers of warnings
         self._no_warning = np.full_like(self._warnings, _NO_WARNING)
         self._warnings[:] = _NO_WARNING
+        self._without_warning = self._warnings.tobytes()
 
     def _view_of(self, columns: slice, width: int) -> Array:
         """View of the sensors' columns, or zeros if the world has no such sensors."""
@@ -180,7 +181,7 @@ class Simulation(ABC):
         This is the usual case, and one check of all simulations is faster than a check of each.
         """
         beyond = np.abs(self._sensors) > self._threshold
-        return not (np.count_nonzero(beyond) or np.count_nonzero(self._warnings != self._no_warning))
+        return not np.count_nonzero(beyond) and self._warnings.tobytes() == self._without_warning
 
     @property
     def out_of_bounds(self) -> NDArray[np.bool_]:

@@ -58,6 +58,8 @@ def broadcast(*arrays: Array) -> tuple[Array, ...]:
     Raises:
         InvalidValueError: arrays without common leading dimensions.
     """
+    if all(array.shape == arrays[0].shape for array in arrays):
+        return arrays
     try:
         return tuple(np.broadcast_arrays(*arrays))
     except ValueError:
@@ -95,8 +97,9 @@ def total(values: Array) -> Array:
 
 def dot(left: Array, right: Array) -> Array:
     """Scalar product over the last axis, summed in order: (..., n), (..., n) -> (...)."""
-    if left.ndim == right.ndim == 2 and len(left) == len(right) == 1:
-        return np.array([sum_of_products(*left.tolist(), *right.tolist())])
+    if left.shape == right.shape and left.size == left.shape[-1]:
+        product = sum_of_products(left.ravel().tolist(), right.ravel().tolist())
+        return np.array(product, ndmin=left.ndim - 1)
     return total(left * right)
 
 
@@ -111,9 +114,9 @@ def sum_of_products(left: list[float], right: list[float]) -> float:
 
 def norm(vector: Array) -> Array:
     """Euclidean norm over the last axis, summed in order: (..., n) -> (...)."""
-    if vector.ndim == 2 and len(vector) == 1:
-        (row,) = vector.tolist()
-        return np.array([math.sqrt(sum_of_products(row, row))])
+    if vector.size == vector.shape[-1]:
+        numbers = vector.ravel().tolist()
+        return np.array(math.sqrt(sum_of_products(numbers, numbers)), ndmin=vector.ndim - 1)
     length: Array = np.sqrt(total(vector * vector))
     return length
 
@@ -129,11 +132,13 @@ def multiply(left: Array, right: Array) -> Array:
 def apply(matrix: Array, vector: Array) -> Array:
     """Matrix times vector over leading dimensions, summed in order: (..., m, n), (..., n) -> (..., m)."""
     if _is_single(matrix, vector):
-        (rows,), (components,) = matrix.tolist(), vector.tolist()
+        components, rows = vector.ravel().tolist(), matrix.reshape(matrix.shape[-2:]).tolist()
         if len(components) == 3:
             x, y, z = components
-            return np.array([[a * x + b * y + c * z for a, b, c in rows]])
-        return np.array([[reduce(add, map(mul, row, components)) for row in rows]])
+            product = [a * x + b * y + c * z for a, b, c in rows]
+        else:
+            product = [reduce(add, map(mul, row, components)) for row in rows]
+        return np.array(product).reshape(matrix.shape[:-1])
     return total(matrix * vector[..., None, :])
 
 
@@ -174,9 +179,10 @@ def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> A
     Source: [S] 3.5.
     """
     if _is_single(matrix, vector):
-        (rows,), (right,) = matrix.tolist(), vector.tolist()
+        rows, right = matrix.reshape(matrix.shape[-2:]).tolist(), vector.ravel().tolist()
         try:
-            return np.array([_solve_components(*_normal_numbers(rows, right, damping * damping))])
+            solution = _solve_components(*_normal_numbers(rows, right, damping * damping))
+            return np.array(solution).reshape(*vector.shape[:-1], 3)
         except ZeroDivisionError:
             raise InvalidValueError("matrix", matrix, _INVERTIBLE) from None
     right = vector[..., None]
@@ -199,7 +205,9 @@ def pseudoinverse_transposed(matrix: Array) -> Array:
 
 def _is_single(matrix: Array, vector: Array) -> bool:
     """Whether there is one matrix and one vector; its numbers are faster than arrays, with the same bits."""
-    return matrix.ndim == 3 and vector.ndim == 2 and len(matrix) == 1 and len(vector) == 1
+    count = vector.size * matrix.size
+    rows, columns = matrix.shape[-2:]
+    return count == rows * columns * vector.shape[-1] and matrix.ndim == vector.ndim + 1
 
 
 def _normal_numbers(rows: list[list[float]], right: list[float], square: float) -> list[float]:

@@ -121,7 +121,9 @@ class Dynamics(MotionConversion):
         Raises:
             ShapeError: an argument does not have three components.
         """
-        q, velocity = self._state(joint_position, joint_velocity)
+        return self._coriolis(*self._state(joint_position, joint_velocity))
+
+    def _coriolis(self, q: Array, velocity: Array) -> Array:
         base, a_1 = self.base_parameters, self.parameters.geometry.first_link_offset
         u = q[..., 1] + self.parameters.geometry.slide_offset
         s_3, c_3 = np.sin(q[..., 2]), np.cos(q[..., 2])
@@ -149,7 +151,9 @@ class Dynamics(MotionConversion):
         Raises:
             ShapeError: an argument does not have three components.
         """
-        q = as_vectors(joint_position, "joint_position")
+        return self._gravity(as_vectors(joint_position, "joint_position"))
+
+    def _gravity(self, q: Array) -> Array:
         gravity = np.zeros(q.shape)
         gravity[..., 2] = self.base_parameters.third_moment * self.parameters.gravity * np.cos(q[..., 2])
         return gravity
@@ -166,7 +170,9 @@ class Dynamics(MotionConversion):
         Raises:
             ShapeError: an argument does not have three components.
         """
-        velocity = as_vectors(joint_velocity, "joint_velocity")
+        return self._friction(as_vectors(joint_velocity, "joint_velocity"))
+
+    def _friction(self, velocity: Array) -> Array:
         friction: Array = self._viscous_friction * velocity + self._coulomb_friction * np.sign(velocity)
         return friction
 
@@ -184,8 +190,7 @@ class Dynamics(MotionConversion):
             ShapeError: an argument does not have three components.
         """
         q, velocity = self._state(joint_position, joint_velocity)
-        coriolis = apply(self.coriolis_matrix(q, velocity), velocity)
-        return coriolis + self.friction_force(velocity) + self.gravity_vector(q)
+        return apply(self._coriolis(q, velocity), velocity) + self._friction(velocity) + self._gravity(q)
 
     def forward_dynamics(
         self,
@@ -253,6 +258,5 @@ class Dynamics(MotionConversion):
     def _state(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> tuple[Array, Array]:
         q = as_vectors(joint_position, "joint_position")
         velocity = as_vectors(joint_velocity, "joint_velocity")
-        if q.shape != velocity.shape:
-            q, velocity = broadcast(q, velocity)
+        q, velocity = broadcast(q, velocity)
         return q, velocity

@@ -50,10 +50,11 @@ class Kinematics:
 
     def _trigonometry(self, q: Array) -> _Trigonometry:
         geometry = self.parameters.geometry
-        sine, cosine = np.sin(q), np.cos(q)
-        cos_3 = cosine[..., 2]
+        angles = q[..., ::2]
+        sine, cosine = np.sin(angles), np.cos(angles)
+        cos_3 = cosine[..., 1]
         reach = q[..., 1] + geometry.slide_offset + geometry.third_link_length * cos_3
-        return _Trigonometry(sine[..., 0], cosine[..., 0], sine[..., 2], cos_3, reach)
+        return _Trigonometry(sine[..., 0], cosine[..., 0], sine[..., 1], cos_3, reach)
 
     def forward_kinematics(self, joint_position: ArrayLike) -> Array:
         """Pose of the end effector.
@@ -71,8 +72,10 @@ class Kinematics:
         Source: [R] 1.2, 1.3.
         """
         q = as_vectors(joint_position, "joint_position")
+        return self._pose(q, self._trigonometry(q))
+
+    def _pose(self, q: Array, trig: _Trigonometry) -> Array:
         geometry = self.parameters.geometry
-        trig = self._trigonometry(q)
         pose = np.empty((*q.shape[:-1], 6))
         pose[..., 0] = trig.reach * trig.sin_1 + geometry.first_link_offset * trig.cos_1
         pose[..., 1] = -trig.reach * trig.cos_1 + geometry.first_link_offset * trig.sin_1
@@ -151,8 +154,11 @@ class Kinematics:
         Source: [S] 3.6; [R] 1.4.
         """
         q = as_vectors(joint_position, "joint_position")
+        return self._jacobian(q, self._trigonometry(q))
+
+    def _jacobian(self, q: Array, trig: _Trigonometry) -> Array:
         J_A = matrix_like(q, 6, 3)
-        self._fill_linear_rows(q, J_A)
+        self._fill_linear_rows(trig, J_A)
         J_A[..., 3, 0] = 1.0
         J_A[..., 4, 2] = -1.0
         return J_A
@@ -173,15 +179,14 @@ class Kinematics:
         """
         q = as_vectors(joint_position, "joint_position")
         J_G = matrix_like(q, 6, 3)
-        self._fill_linear_rows(q, J_G)
+        self._fill_linear_rows(self._trigonometry(q), J_G)
         J_G[..., 3, 2] = -np.cos(q[..., 0])
         J_G[..., 4, 2] = -np.sin(q[..., 0])
         J_G[..., 5, 0] = 1.0
         return J_G
 
-    def _fill_linear_rows(self, q: Array, jacobian: Array) -> None:
+    def _fill_linear_rows(self, trig: _Trigonometry, jacobian: Array) -> None:
         a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
-        trig = self._trigonometry(q)
         jacobian[..., 0, 0] = trig.reach * trig.cos_1 - a_1 * trig.sin_1
         jacobian[..., 0, 1] = trig.sin_1
         jacobian[..., 0, 2] = -a_3 * trig.sin_1 * trig.sin_3
@@ -208,11 +213,14 @@ class Kinematics:
         q = as_vectors(joint_position, "joint_position")
         velocity = as_vectors(joint_velocity, "joint_velocity")
         q, velocity = broadcast(q, velocity)
+        return self._jacobian_derivative(velocity, self._trigonometry(q))
+
+    def _jacobian_derivative(self, velocity: Array, trig: _Trigonometry) -> Array:
         a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
-        s_1, c_1, s_3, c_3, reach = self._trigonometry(q)
+        s_1, c_1, s_3, c_3, reach = trig
         w_1, v_2, w_3 = velocity[..., 0], velocity[..., 1], velocity[..., 2]
         reach_rate = v_2 - a_3 * s_3 * w_3
-        derivative = matrix_like(q, 6, 3)
+        derivative = matrix_like(velocity, 6, 3)
         derivative[..., 0, 0] = reach_rate * c_1 - (reach * s_1 + a_1 * c_1) * w_1
         derivative[..., 0, 1] = c_1 * w_1
         derivative[..., 0, 2] = -a_3 * (c_1 * s_3 * w_1 + s_1 * c_3 * w_3)

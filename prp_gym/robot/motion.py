@@ -36,9 +36,10 @@ class MotionConversion(InverseKinematics):
             as_vectors(joint_velocity, "joint_velocity"),
             as_vectors(joint_acceleration, "joint_acceleration"),
         )
-        J_A = self.analytical_jacobian(q)
-        drift = apply(self.analytical_jacobian_derivative(q, velocity), velocity)
-        return self.forward_kinematics(q), apply(J_A, velocity), apply(J_A, acceleration) + drift
+        trig = self._trigonometry(q)
+        J_A = self._jacobian(q, trig)
+        drift = apply(self._jacobian_derivative(velocity, trig), velocity)
+        return self._pose(q, trig), apply(J_A, velocity), apply(J_A, acceleration) + drift
 
     def joint_position_of_pose(self, pose: ArrayLike) -> Array:
         """The joint position of a pose, without regard to the joint limits.
@@ -90,7 +91,8 @@ class MotionConversion(InverseKinematics):
             as_vectors(acceleration, "acceleration", 6),
         )
         q = self.joint_position_of_pose(pose)
-        J_A = self.analytical_jacobian(q)
+        trig = self._trigonometry(q)
+        J_A = self._jacobian(q, trig)
         joint_velocity = solve_least_squares(J_A, velocity)
-        drift = apply(self.analytical_jacobian_derivative(q, joint_velocity), joint_velocity)
+        drift = apply(self._jacobian_derivative(joint_velocity, trig), joint_velocity)
         return q, joint_velocity, solve_least_squares(J_A, acceleration - drift)

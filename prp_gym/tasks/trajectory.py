@@ -6,6 +6,7 @@ A position has d components: the joints [rad, m, rad], one joint, or a pose [m, 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Self
 
 import numpy as np
@@ -17,6 +18,12 @@ from prp_gym.robot.arrays import Array
 
 _LEAST_INTERVAL = 1e-9  # s
 _FREQUENCIES = (1e-9, 1e12)  # rad/s
+
+
+@cache
+def _names(kind: "type[Trajectory]") -> tuple[str, ...]:
+    """The names of a kind's attributes, in order."""
+    return tuple(entry.name for entry in fields(kind))
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,19 +39,19 @@ class Trajectory(ABC):
     """
 
     def __post_init__(self) -> None:
-        for entry in fields(self):
-            numbers = as_array(entry.name, getattr(self, entry.name))
-            check_finite(entry.name, numbers)
-            object.__setattr__(self, entry.name, numbers)
+        for name in _names(type(self)):
+            numbers = as_array(name, getattr(self, name))
+            check_finite(name, numbers)
+            object.__setattr__(self, name, numbers)
         self._check_shapes()
 
     def _check_shapes(self) -> None:
         """Refuse attributes that are not (N, d) alike, N at least 1."""
         expected: tuple[int, ...] | None = None
-        for entry in fields(self):
-            shape = getattr(self, entry.name).shape
+        for name in _names(type(self)):
+            shape = getattr(self, name).shape
             if len(shape) != 2 or not shape[0] or shape != (expected or shape):
-                raise ShapeError(entry.name, shape, f"{expected or '(N, d)'}")
+                raise ShapeError(name, shape, f"{expected or '(N, d)'}")
             expected = shape
 
     @abstractmethod
@@ -65,7 +72,7 @@ class Trajectory(ABC):
 
     def _times(self, time: object) -> Array:
         """Times (..., N) as numbers; of one trajectory, times of any shape."""
-        times, count = as_array("time", time, "s"), len(getattr(self, fields(self)[0].name))
+        times, count = as_array("time", time, "s"), len(getattr(self, _names(type(self))[0]))
         check_finite("time", times, "s")
         if times.ndim == 0 or count not in (1, times.shape[-1]):
             raise ShapeError("time", times.shape, f"(..., {count})")
@@ -84,17 +91,16 @@ class Trajectory(ABC):
     @classmethod
     def concatenate(cls, rows: Sequence[Self]) -> Self:
         """Join several trajectories of one kind, in order."""
-        names = [field.name for field in fields(cls)]
-        return cls(**{name: np.concatenate([getattr(row, name) for row in rows]) for name in names})
+        return cls(**{name: np.concatenate([getattr(row, name) for row in rows]) for name in _names(cls)})
 
     def rows(self, ids: NDArray[np.intp]) -> Self:
         """The trajectories of some rows."""
-        return type(self)(**{field.name: getattr(self, field.name)[ids] for field in fields(self)})
+        return type(self)(**{name: getattr(self, name)[ids] for name in _names(type(self))})
 
     def assign(self, ids: NDArray[np.intp], rows: Self) -> None:
         """Replace some rows."""
-        for field in fields(self):
-            getattr(self, field.name)[ids] = getattr(rows, field.name)
+        for name in _names(type(self)):
+            getattr(self, name)[ids] = getattr(rows, name)
 
 
 @dataclass(frozen=True, eq=False)
