@@ -14,7 +14,17 @@ OUTPUT = "out"
 _ENVIRONMENT = "PRP-JointRegulation-v0"
 _CONTROLLERS = ("--baseline", "joint_pd", "--baseline", "joint_inverse_dynamics")
 _OF_TIMES = frozenset(
-    ("command", "created", "compute_time", "seconds", "evaluation_seconds", "started", "sha256", "resumes")
+    (
+        "checksum",
+        "command",
+        "created",
+        "compute_time",
+        "seconds",
+        "evaluation_seconds",
+        "started",
+        "sha256",
+        "resumes",
+    )
 )
 """Keys of what differs between two runs that are otherwise equal."""
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+_LONGEST_VALUE = 160  # characters of a value in a message
 _LONGEST_PATH = 400  # characters of a path in a message
 _LONGEST_NAME = 100  # characters; a longer text is no misspelt name
 _MOST_BITS = 512  # of an integer that is written out
@@ -35,7 +36,8 @@ class _ShortRepr(reprlib.Repr):
         if isinstance(x, int) and x.bit_length() > _MOST_BITS:
             return f"<{type(x).__name__} of {x.bit_length()} bits>"
         if isinstance(x, (str, bytes, bytearray)) and len(x) > self.maxstring:
-            return repr(x[: self.maxstring]) + "..."
+            half = self.maxstring // 2
+            return f"{x[:half]!r}...{x[-half:]!r}"
         if isinstance(x, (np.ndarray, np.generic)) and (x.dtype.hasobject or x.nbytes > _MOST_BYTES):
             return f"<array of shape {x.shape} and type {x.dtype.name}>"
         if isinstance(x, (dict, Set)) and len(x) > _MOST_ENTRIES:
@@ -44,7 +46,7 @@ class _ShortRepr(reprlib.Repr):
 
 
 def shortened(value: object, width: int = 80) -> str:
-    """The text of a value for a message: its `repr`, cut to a width.
+    """The text of a value for a message: its `repr`, from which the middle is left out if it is too long.
 
     Args:
         value: any object, of any size, also one without a text of its own.
@@ -54,7 +56,8 @@ def shortened(value: object, width: int = 80) -> str:
         text = _ShortRepr(width).repr(value)
     except Exception:  # whatever the value's own methods raise
         text = f"<{type(value).__name__} without a text>"
-    return text if len(text) <= width else f"{text[: width - 3]}..."
+    half = (width - 3) // 2
+    return text if len(text) <= width else f"{text[:half]}...{text[-half:]}"
 
 
 class ErrorType(type):
@@ -131,7 +134,7 @@ class InvalidValueError(PRPError, ValueError):
         self.value = value
         self.allowed = allowed
         self.unit = unit
-        shown = f"{shortened(value)} {unit}".rstrip()
+        shown = f"{shortened(value, _LONGEST_VALUE)} {unit}".rstrip()
         super().__init__(f"{what} is {shown}; allowed: {allowed}.")
 
 

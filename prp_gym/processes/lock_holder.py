@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from prp_gym.files.json_text import parse_json
+
 
 @dataclass(frozen=True)
 class LockHolder:
@@ -37,10 +39,10 @@ class LockHolder:
     def parse(cls, content: bytes) -> "LockHolder":
         """The holder that a lock file names; one of whom nothing is known if it names none."""
         try:
-            known = json.loads(content)
+            known = parse_json(content.decode())
             texts = [str(known[name])[:_LONGEST] for name in ("host", "since", "command")]
             return cls(int(known["process"]), *texts)
-        except (ValueError, LookupError, TypeError, RecursionError):
+        except (ValueError, LookupError, TypeError):
             return cls()
 
     def to_bytes(self) -> bytes:

@@ -82,11 +82,11 @@ class Run:
             OutputError: the folder cannot be made or written to.
             InvalidValueError: a worker runs other code than this process.
         """
+        if self.fresh:
+            self.store.remove(jobs)
         for folder in (self.folder, self.folder / JOBS):
             prepare_folder(folder)
         remove_leftovers(self.folder / JOBS)
-        if self.fresh:
-            self.store.remove(jobs)
         return run_jobs(jobs, self, label)
 
     def write(self, jobs: Sequence[JobT], records: Sequence[Record], findings: Mapping[str, Any]) -> None:

@@ -106,9 +106,9 @@ def test_wrong_name_is_refused_with_the_valid_ones(
 @pytest.mark.parametrize(
     ("option", "value", "message"),
     [
-        ("--episodes", "-1", "error: episodes is -1; allowed: a whole number, at least 1."),
-        ("--episodes", "0", "error: episodes is 0; allowed: a whole number, at least 1."),
-        ("--seed", "-3", "error: seed is -3; allowed: a whole number, at least 0."),
+        ("--episodes", "-1", "error: episodes is -1; allowed: a whole number, at least 1, at most 1000000."),
+        ("--episodes", "0", "error: episodes is 0; allowed: a whole number, at least 1, at most 1000000."),
+        ("--seed", "-3", "error: seed is -3; allowed: a whole number, at least 0, of at most 128 bits."),
         ("--jobs", "-1", "error: jobs is -1; allowed: at least 1, or 0 for as many as there are cores."),
     ],
 )

@@ -172,7 +172,8 @@ def test_controller_may_be_named_by_an_option_as_in_the_other_commands(tmp_path:
         str(tmp_path / "option"),
     ]
     assert RUNNER.invoke(app, options).exit_code == 0
-    assert content(tmp_path / "option") == content(tmp_path / "argument")
+    found, expected = (content(tmp_path / name) for name in ("option", "argument"))
+    assert found | {"checksum": ""} == expected | {"checksum": ""}  # which is over the compute times, too
 
 
 def test_deterministic_scenario_is_one_episode(tmp_path: Path) -> None:

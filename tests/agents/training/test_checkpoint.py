@@ -251,6 +251,7 @@ def test_code_in_a_checkpoint_is_not_run(
     torch.save({"parameters": Trap()}, there / "tensors.pt")
     with pytest.raises(CheckpointError, match="Weights only load failed"):
         restore_checkpoint(there, learner)
+    (tmp_path / "second").mkdir()
     write_checkpoint(tmp_path / "second", learner, state)
     there = find_checkpoint(tmp_path / "second")[0]
     (there / "arrays.npz").write_bytes(pickle.dumps(Trap()))

@@ -278,9 +278,8 @@ def test_state_of_another_number_of_environments_is_refused() -> None:
     loop, other = a_loop(2), a_loop(3)
     for either in (loop, other):
         either.reset(np.arange(either.num_envs), generators(range(either.num_envs)), NONE)
-    with pytest.raises(InvalidValueError, match="number of environments") as caught:
+    with pytest.raises(InvalidValueError, match=r"state shape is \(3, .*; allowed: \(2, "):
         loop.set_state(other.get_state())
-    assert caught.value.value == 3
 
 
 @pytest.mark.parametrize("scenario", SCENARIOS)
