@@ -6,12 +6,14 @@ from pathlib import Path
 from setuptools import setup
 
 RELATIVE_LINK = re.compile(r"\[([^\]]+)\]\((?!https?://|#)([^)]+)\)")
+RELATIVE_IMAGE = re.compile(r"<img src=\"(?!https?://)[^>]*> ?")
 NOTE = "*Files in parentheses, such as `docs/environments.md`, are in the source distribution.*\n\n"
 
 
 def standalone_readme(text: str) -> str:
-    """Replace links to files by their names, and say above the first section where the files are."""
-    introduction, heading, rest = RELATIVE_LINK.sub(r"\1 (`\2`)", text).partition("\n## ")
+    """Replace links to files by their names, leave out images, and say where the files are."""
+    without_images = RELATIVE_IMAGE.sub("", text)
+    introduction, heading, rest = RELATIVE_LINK.sub(r"\1 (`\2`)", without_images).partition("\n## ")
     return f"{introduction}\n{NOTE}{heading[1:]}{rest}"
 
 

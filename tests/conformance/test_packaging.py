@@ -91,8 +91,10 @@ def test_an_sdist_holds_documentation_tests_examples_and_constraints(built: dict
 
 @pytest.mark.parametrize("origin", ["tree", "sdist"])
 def test_the_readme_in_the_metadata_has_no_link_to_a_file(built: dict[str, Path], origin: str) -> None:
-    targets = re.findall(r"\]\(([^)]*)\)", _description(built[origin]))
+    text = _description(built[origin])
+    targets = re.findall(r"\]\(([^)]*)\)", text)
     assert [target for target in targets if not target.startswith("https://")] == []
+    assert "<img" not in text  # whose files are not there either
 
 
 def test_the_readme_in_the_metadata_names_files_of_the_sdist(built: dict[str, Path]) -> None:
