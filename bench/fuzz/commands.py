@@ -121,7 +121,7 @@ def _line(seed: int) -> list[str]:
             line[line.index(option) + 1] = value
         else:
             line += [option] if option in _FLAGS else [option, value]
-    if rng.random() < 0.05 and line[0] not in ("evaluate", "compare"):
+    if rng.random() < 0.05 and line[0] not in ("evaluate", "compare", "train"):
         line = line[: rng.randrange(1, len(line))]
     return line
 

@@ -19,6 +19,7 @@ from bench.fuzz.target import Target
 WORK = "work"
 """Folder below the current one that a class of cases may fill; everything else that appears is litter."""
 
+_CACHE_OF_TORCH = "torchinductor_"  # one folder for each user, whatever the command
 _ROUND = 2_000  # cases of one run of hypothesis, whose tree of choices grows with their number
 
 
@@ -96,7 +97,9 @@ def run_target(target: Target, cases: int, first_seed: int) -> Outcome:
 def litter(folder: Path) -> list[str]:
     """Names of what was left beside the folder of the class."""
     return sorted(path.name for path in folder.iterdir() if path.name not in (WORK, "temporary")) + sorted(
-        f"temporary/{path.name}" for path in (folder / "temporary").iterdir()
+        f"temporary/{path.name}"
+        for path in (folder / "temporary").iterdir()
+        if not path.name.startswith(_CACHE_OF_TORCH)
     )
 
 

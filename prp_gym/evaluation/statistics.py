@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from prp_gym.checks import as_array
-from prp_gym.errors import ShapeError
+from prp_gym.checks import LARGEST, as_array
+from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.evaluation.resampling import RESAMPLES, check_bootstrap, check_scores, cut_tails
 from prp_gym.robot.arrays import Array
 
@@ -21,8 +21,10 @@ class Estimate(NamedTuple):
 def interquartile_mean(values: Array) -> Array:
     """Mean of the middle half, (..., n) -> (...): a quarter of n, rounded down, is cut off at each end.
 
+    NaN, which stands for an undefined metric, gives NaN; infinity, a time that was never reached, may be cut off.
+
     Raises:
-        InvalidValueError: values that are not numbers.
+        InvalidValueError: values that are not numbers, or finite ones so large that their sum overflows.
         ShapeError: no values.
 
     Source: Agarwal 2021.
@@ -30,6 +32,9 @@ def interquartile_mean(values: Array) -> Array:
     values = as_array("values", values)
     if values.ndim == 0 or values.shape[-1] == 0:
         raise ShapeError("values", values.shape, "(..., n), n at least 1")
+    finite = values[np.isfinite(values)]
+    if np.abs(finite).max(initial=0.0) > LARGEST:
+        raise InvalidValueError("values", values, f"magnitudes up to {LARGEST:g}, or infinity")
     ordered = np.sort(values, axis=-1)
     cut = values.shape[-1] // 4
     middle: Array = ordered[..., cut : values.shape[-1] - cut].mean(axis=-1)

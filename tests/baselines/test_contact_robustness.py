@@ -1,4 +1,4 @@
-"""The controller of each contact task, with `tuned` gains, on 50 episodes of the scenario `randomized`.
+"""The controller of each contact task, with `tuned` gains, on 30 episodes of the scenario `randomized`.
 
 Surfaces of 50 to 5000 N/m lie anywhere in reach. These are properties of the controllers, not closed
 forms: each bound says what it would mean to break it.
@@ -31,7 +31,7 @@ MOTION_CONTROLLERS = (
     "operational_pd",
     "operational_inverse_dynamics",
 )
-SEEDS = 50
+SEEDS = 30
 
 
 def evaluated(environment_id: str, controller: str) -> Evaluation:

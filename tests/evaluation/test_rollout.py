@@ -175,9 +175,9 @@ def test_divergence_ends_the_episode_and_is_recorded(environment_id: str) -> Non
 def test_every_controller_s_episode_runs_its_whole_length(
     environment_id: str, controller: str, scenario: str
 ) -> None:
-    made = make(environment_id, scenario=scenario, duration=0.4)
+    made = make(environment_id, scenario=scenario, duration=0.2)
     rollout = record_episode(make_baseline(controller, made), made, seed=0)
-    assert (len(rollout.reward), rollout.scenario, rollout.diverged) == (200, scenario, False)
+    assert (len(rollout.reward), rollout.scenario, rollout.diverged) == (100, scenario, False)
     made.close()
 
 
