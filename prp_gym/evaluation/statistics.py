@@ -21,7 +21,7 @@ class Estimate(NamedTuple):
 def interquartile_mean(values: Array) -> Array:
     """Mean of the middle half, (..., n) -> (...): a quarter of n, rounded down, is cut off at each end.
 
-    NaN, which stands for an undefined metric, gives NaN; infinity, a time that was never reached, may be cut off.
+    NaN, an undefined metric, gives NaN; infinity, a time that was never reached, may be cut off.
 
     Raises:
         InvalidValueError: values that are not numbers, or finite ones so large that their sum overflows.
