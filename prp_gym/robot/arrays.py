@@ -109,7 +109,7 @@ def sum_of_products(left: list[float], right: list[float]) -> float:
         a, b, c = left
         x, y, z = right
         return a * x + b * y + c * z
-    return reduce(add, map(mul, left, right))
+    return float(reduce(add, map(mul, left, right)))
 
 
 def norm(vector: Array) -> Array:
@@ -132,7 +132,7 @@ def multiply(left: Array, right: Array) -> Array:
 def apply(matrix: Array, vector: Array) -> Array:
     """Matrix times vector over leading dimensions, summed in order: (..., m, n), (..., n) -> (..., m)."""
     if _is_single(matrix, vector):
-        components, rows = vector.ravel().tolist(), matrix.reshape(matrix.shape[-2:]).tolist()
+        components, rows = vector.ravel().tolist(), _rows(matrix)
         if len(components) == 3:
             x, y, z = components
             product = [a * x + b * y + c * z for a, b, c in rows]
@@ -179,9 +179,9 @@ def solve_least_squares(matrix: Array, vector: Array, damping: float = 0.0) -> A
     Source: [S] 3.5.
     """
     if _is_single(matrix, vector):
-        rows, right = matrix.reshape(matrix.shape[-2:]).tolist(), vector.ravel().tolist()
+        numbers = _normal_numbers(_rows(matrix), vector.ravel().tolist(), damping * damping)
         try:
-            solution = _solve_components(*_normal_numbers(rows, right, damping * damping))
+            solution = _solve_components(*numbers)
             return np.array(solution).reshape(*vector.shape[:-1], 3)
         except ZeroDivisionError:
             raise InvalidValueError("matrix", matrix, _INVERTIBLE) from None
@@ -208,6 +208,12 @@ def _is_single(matrix: Array, vector: Array) -> bool:
     count = vector.size * matrix.size
     rows, columns = matrix.shape[-2:]
     return count == rows * columns * vector.shape[-1] and matrix.ndim == vector.ndim + 1
+
+
+def _rows(matrix: Array) -> list[list[float]]:
+    """The rows of one matrix, whatever its leading dimensions."""
+    rows: Any = matrix.reshape(matrix.shape[-2:]).tolist()
+    return list(rows)
 
 
 def _normal_numbers(rows: list[list[float]], right: list[float], square: float) -> list[float]:
