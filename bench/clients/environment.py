@@ -58,7 +58,7 @@ def install(client: Client, folder: Path = FOLDER) -> str:
     constraints = folder / "constraints.txt"
     constraints.write_text("\n".join(_PINNED) + "\n", encoding="utf-8")
     try:
-        venv.create(folder / client.name, with_pip=True, clear=True)
+        venv.create(folder / client.name, with_pip=True, clear=True, symlinks=True)
         _pip(client, folder, "--constraint", str(constraints), *wanted)
         if client.alone:
             _pip(client, folder, "--no-deps", client.library)

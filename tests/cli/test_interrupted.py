@@ -94,9 +94,11 @@ def test_interrupted_evaluation_says_how_many_jobs_are_kept(
 def test_interrupted_training_says_at_which_step_it_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)  # `nohup` makes its processes ignore it
     with monkeypatch.context() as patch:
         patch.setattr(WRITE, then_signal(write_checkpoint, signal.SIGHUP))
         assert run_until_exit(TRAIN, tmp_path, monkeypatch) == 129
+    signal.signal(signal.SIGHUP, before)
     told = " ".join(capsys.readouterr().err.split())
     assert "PRP-Adaptive-v0 ppo_torque seed 0 is kept at step 128" in told
     assert "the same command with --resume goes on" in told

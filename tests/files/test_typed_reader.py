@@ -61,7 +61,7 @@ def test_values_have_their_types_and_missing_ones_their_defaults() -> None:
         ({"values": {"x": None}}, "key 'values.x' is None; expected a number"),
         ({"choice": 1.5}, "key 'choice' is 1.5"),
         ({"x" * 1000: 1}, "is unknown; allowed: choice, loose"),
-        ({"name": ["x" * 10_000]}, r"\.\.\.; expected text"),
+        ({"name": ["x" * 10_000]}, r"\.\.\..*; expected text"),
     ],
 )
 def test_key_or_value_of_another_kind_is_refused_with_its_position(
