@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
@@ -22,6 +21,8 @@ from tests.support.control_interface import (
 )
 from tests.support.controller_simulation import Wall, hold, simulate
 from tests.support.pinocchio_model import PinocchioArm, random_arm, random_states
+
+pin: Any = pytest.importorskip("pinocchio")
 
 Array = NDArray[np.float64]
 

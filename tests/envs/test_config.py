@@ -218,7 +218,7 @@ def test_wrong_keyword_is_refused(keyword: str, value: Any, kind: type[PRPError]
 def test_wrong_keyword_is_refused_through_make_too() -> None:
     with pytest.raises(UnknownKeywordError, match="unexpected keyword argument 'gravity'") as caught:
         gymnasium.make("PRP-JointRegulation-v0", gravity=1.6)
-    origin = caught.value.__cause__  # Gymnasium raises an error of the same class with a longer message
+    origin = caught.value.__cause__ or caught.value.__context__  # Gymnasium raises one of its class again
     assert isinstance(origin, UnknownKeywordError)
     assert {"control_frequency", "torque_limit"} < set(origin.valid)
 

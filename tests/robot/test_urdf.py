@@ -3,13 +3,15 @@
 import dataclasses
 import math
 import xml.etree.ElementTree as ElementTree
+from typing import Any
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from prp_gym.robot import NOMINAL, RobotParameters, to_urdf
 from tests.support.pinocchio_model import Array, PinocchioArm, Vector3, per_row, random_arm, random_states
+
+pin: Any = pytest.importorskip("pinocchio")
 
 ROUNDING = 1e-12  # forces up to about 100, a few dozen operations of 1e-16 each
 FRICTION = dataclasses.replace(NOMINAL, viscous_friction=(0.5, 2.0, 0.1), coulomb_friction=(0.3, 1.5, 0.05))

@@ -221,7 +221,7 @@ def test_lstm_of_another_kind_is_refused() -> None:
         Box(-1, 1, (3, 1), np.float32),
     ],
 )
-def test_other_action_space_is_refused(space: Box[Any]) -> None:
+def test_other_action_space_is_refused(space: "Box[Any]") -> None:
     source = trained("PPO")
     source.model.action_space = space
     refused(source, r"action space of the model is .*; allowed: Box\(-1, 1")
