@@ -71,7 +71,7 @@ def plain(value: Any) -> Any:
 @pytest.mark.parametrize(("name", "wrap", "mode"), CASES, ids=["-".join(case[::2]) for case in CASES])
 def test_wrapped_environments_are_gymnasiums_own_vector_wrapped(name: str, wrap: Wrapper, mode: str) -> None:
     if name == "together" and gymnasium.__version__.startswith("1.1."):
-        pytest.skip("DictInfoToList of Gymnasium 1.1 fails on the statistics of its own RecordEpisodeStatistics")
+        pytest.skip("DictInfoToList of Gymnasium 1.1 fails on its own RecordEpisodeStatistics")
     ours, theirs = wrap(together(FORCE, mode, N, **SHORT)), wrap(one_by_one(FORCE, mode, N, **SHORT))
     assert ours.single_observation_space == theirs.single_observation_space
     assert ours.action_space == theirs.action_space
