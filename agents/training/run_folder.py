@@ -89,11 +89,7 @@ class RunFolder:
         Raises:
             RunFolderError: the result cannot be read.
         """
-        try:
-            content, _ = _read(self.result, RunResult)
-        except DataFileError as error:
-            raise RunFolderError(self.path, f"its result cannot be read ({error})") from error
-        return content
+        return self._read(self.result, RunResult, "result")[0]
 
     def read_facts(self) -> RunFacts:
         """The content of `run.json`.
@@ -101,10 +97,7 @@ class RunFolder:
         Raises:
             RunFolderError: the file cannot be read.
         """
-        try:
-            return _read(self.run, RunFacts)[1]
-        except DataFileError as error:
-            raise RunFolderError(self.path, f"its facts cannot be read ({error})") from error
+        return self._read(self.run, RunFacts, "facts")[1]
 
     def read_curve(self) -> RunCurve:
         """The learning curve.
@@ -112,10 +105,15 @@ class RunFolder:
         Raises:
             RunFolderError: the file cannot be read.
         """
+        return self._read(self.curve, RunCurve, "learning curve")[1]
+
+    def _read(self, path: Path, kind: type[ContentT], what: str) -> tuple[dict[str, Any], ContentT]:
+        """The content of a record as it is written, and with its declared types; `what` names it in the error."""
         try:
-            return _read(self.curve, RunCurve)[1]
+            content = unseal_or_former(path, _RECORDS.read_json(path))
+            return content, TypedReader(path).read(kind, content, "")
         except DataFileError as error:
-            raise RunFolderError(self.path, f"its learning curve cannot be read ({error})") from error
+            raise RunFolderError(self.path, f"its {what} cannot be read ({error})") from error
 
     def read_config(self) -> dict[str, Any]:
         """The merged recipe as it was written, with the algorithm and the environment.
@@ -212,12 +210,6 @@ class RunFolder:
                     shutil.rmtree(path)
                 elif path.name not in _LOCKS:
                     path.unlink()
-
-
-def _read(path: Path, kind: type[ContentT]) -> tuple[dict[str, Any], ContentT]:
-    """The content of one of the run's files as it is written, and with its declared types."""
-    content = unseal_or_former(path, _RECORDS.read_json(path))
-    return content, TypedReader(path).read(kind, content, "")
 
 
 def _differences(there: Mapping[str, Any], requested: Mapping[str, Any], prefix: str = "") -> list[str]:
