@@ -108,7 +108,7 @@ class RunFolder:
         return self._read(self.curve, RunCurve, "learning curve")[1]
 
     def _read(self, path: Path, kind: type[ContentT], what: str) -> tuple[dict[str, Any], ContentT]:
-        """The content of a record as it is written, and with its declared types; `what` names it in the error."""
+        """The content of a record as it is written, and with its declared types; errors name it `what`."""
         try:
             content = unseal_or_former(path, _RECORDS.read_json(path))
             return content, TypedReader(path).read(kind, content, "")
