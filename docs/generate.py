@@ -155,8 +155,8 @@ def _observation(env: PRPEnv) -> str:
 
 def _reward(env: PRPEnv) -> str:
     text = (
-        "The reward of a step is dt Σ w κ(‖e/s‖) with κ(z) = 1/(1 + z). The score is the return divided by"
-        " the duration.\n\n"
+        "The reward of a step is Σ w κ(‖e/s‖) with κ(z) = 1/(1 + z). The score is the mean reward"
+        " over the planned steps.\n\n"
     )
     rows = [
         (f"`{t.name}`", f"{t.weight:g}", numbers(t.scale), ", ".join(t.unit)) for t in env.task.numbers.reward

@@ -106,8 +106,8 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
                 saturated torques are counted in `info`.
 
         Returns:
-            Observation (size), reward [s], whether the simulation diverged, whether the duration is over, and
-            `info`: every reward term [s] (their sum is the reward), costs and time.
+            Observation (size), reward, whether the simulation diverged, whether the duration is over, and
+            `info`: every reward term (their sum is the reward), costs and time.
 
         Raises:
             ShapeError: an action of another shape.

@@ -181,7 +181,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
                 in this step are ignored.
 
         Returns:
-            Observations (N, size), rewards (N) [s], whether each simulation diverged (N), whether each
+            Observations (N, size), rewards (N), whether each simulation diverged (N), whether each
             duration is over (N), and `info`: for each number of a single one, an array and a mask (N).
 
         Raises:

@@ -92,7 +92,7 @@ class CurvePoint:
     Attributes:
         steps: number of training steps so far, summed over the parallel environments.
         seconds: wall-clock time since training began [s].
-        score: mean of return/duration over the held-out episodes.
+        score: mean reward over the held-out episodes.
         violations: number of violated limits in training so far, by the kind of limit.
     """
 
@@ -107,7 +107,7 @@ class Score:
     """Score of an evaluation after training.
 
     Attributes:
-        value: interquartile mean of return/duration over the episodes.
+        value: interquartile mean reward over the episodes.
         low: lower end of the 95 % confidence interval of the mean.
         high: upper end of the 95 % confidence interval of the mean.
         episodes: number of evaluation episodes.

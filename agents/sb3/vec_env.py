@@ -97,7 +97,7 @@ class SB3VecEnv(VecEnv):
         """Advance one control period with the actions of `step_async`.
 
         Returns:
-            observations (N, size), those of the new episode where one ended; rewards (N) [s], float32;
+            observations (N, size), those of the new episode where one ended; rewards (N), float32;
             whether an episode ended (N); and one `info` for each environment.
 
         Raises:

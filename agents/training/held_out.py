@@ -24,11 +24,11 @@ class HeldOutEpisodes:
         made = make_sb3_vec_env(
             recipe.environment_id, episodes, seed=FIRST_HELD_OUT_SEED, num_threads=1, **keywords
         )
-        self._duration = float(made.get_attr("duration", 0)[0])
+        self._horizon = int(made.get_attr("config", 0)[0].horizon)
         self._env = TrackingFeaturesVecEnv(made)
 
     def score(self, model: BaseAlgorithm, normalizer: Normalizer) -> float:
-        """Mean of return/duration over the episodes, in [0, 1], for the deterministic policy.
+        """Mean reward over the planned steps of the episodes, in [0, 1], for the deterministic policy.
 
         Args:
             model: model in training, which is not changed.
@@ -46,7 +46,7 @@ class HeldOutEpisodes:
             features, begins = np.asarray(step[0]), step[2]
             returns += np.where(running, step[1], 0.0)
             running &= ~begins
-        return float(np.mean(returns) / self._duration)
+        return float(np.mean(returns) / self._horizon)
 
     def close(self) -> None:
         """Free the environments."""

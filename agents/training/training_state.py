@@ -42,7 +42,7 @@ class CurveRow:
     Attributes:
         steps: number of training steps so far.
         seconds: wall-clock time of training so far, including evaluations and runs before a resume [s].
-        score: mean of return/duration over held-out episodes.
+        score: mean reward over held-out episodes.
         violations: number of violated limits in training so far, by the kind of limit.
     """
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.action_mode import ActionMode, Memory
 from prp_gym.envs.config import EnvConfig
+from prp_gym.envs.core.info import AVERAGED, LAST
 from prp_gym.envs.core.loop import STATE, EpisodeLoop, LoopState
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import ShapeError
@@ -18,7 +19,8 @@ class ModeLoop(EpisodeLoop):
     """N environments in which an action is held over several control periods of an inner controller.
 
     Sensors, actuators, reward and costs run at the inner control frequency, as they do for a controller
-    on its own, so that both are scored alike; the reward and costs of a step are the sums over its periods.
+    on its own, so that both are scored alike. The reward of a step is the mean over its periods, where those
+    after a divergence count as 0, and its costs are the sums.
 
     Args:
         task: Task of the environments, at the inner control period.
@@ -48,7 +50,10 @@ class ModeLoop(EpisodeLoop):
         self._observation = np.zeros((num_envs, task.layout.size))
         self._memory: Memory = None
         self._starts: NDArray[np.bool_] = np.ones(num_envs, dtype=np.bool_)
-        self._summed = np.array([field.summed for field in self.info_fields])
+        rules = [field.over_periods for field in self.info_fields]
+        self._added = np.array([rule != LAST for rule in rules])
+        self._share = 1.0 / periods
+        self._shares = np.where([rule == AVERAGED for rule in rules], self._share, 1.0)
 
     def reset(
         self,
@@ -92,18 +97,18 @@ class ModeLoop(EpisodeLoop):
         return outcome._replace(observation=outcome.observation.copy(), terminated=terminated)
 
     def _period(self, action: Array, waiting: NDArray[np.bool_]) -> Step:
-        """Advance by one period of the inner controller."""
+        """Advance by one period of the inner controller; its reward counts by its share of the step."""
         torque, self._memory = self._mode.torque(action, self._observation, self._memory, self._starts)
         outcome = super().step(torque, waiting if np.count_nonzero(waiting) else None)
         self._starts = np.zeros_like(self._starts)
         self._observation = outcome.observation
-        return outcome
+        return outcome._replace(reward=outcome.reward * self._share, info=outcome.info * self._shares)
 
     def _continued(self, before: Step, action: Array, waiting: NDArray[np.bool_]) -> Step:
         """Advance by one more period and add its results; environments that wait keep theirs."""
         kept = self.ground_truth, self.commanded_torque, self.physics.torque.copy()
         after = self._period(action, waiting)
-        info = np.where(self._summed, before.info + after.info, after.info)
+        info = np.where(self._added, before.info + after.info, after.info)
         if not np.count_nonzero(waiting):
             return after._replace(reward=before.reward + after.reward, info=info)
         rows = waiting[:, None]

@@ -13,7 +13,7 @@ class Step(NamedTuple):
 
     Attributes:
         observation: Observations, a new array (N, size).
-        reward: Rewards (N) [s].
+        reward: Rewards (N), each in [0, 1].
         terminated: Whether each simulation has diverged (N).
         truncated: Whether the duration of each episode is over (N).
         info: Values of the info fields (N, number of fields).

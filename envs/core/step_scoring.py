@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.core.info import COMMON_INFO, CONTACT_INFO, InfoField
+from prp_gym.envs.core.info import AVERAGED, COMMON_INFO, CONTACT_INFO, InfoField
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.robot.arrays import Array, norm, total
 from prp_gym.tasks.reward import Reward
@@ -33,9 +33,9 @@ class StepScoring:
     def __init__(self, task: Task, physics: Simulation, frequency: float) -> None:
         num_envs = physics.num_simulations
         self._physics = physics
-        self._reward = Reward(task.numbers.reward, task.period)
+        self._reward = Reward(task.numbers.reward)
         terms = [
-            InfoField(f"reward_{term.name}", "s", f"reward from {term.name}", summed=True)
+            InfoField(f"reward_{term.name}", "1", f"reward from {term.name}", AVERAGED)
             for term in self._reward.terms
         ]
         self._has_contact = "contact_force" in task.layout.names
@@ -61,7 +61,7 @@ class StepScoring:
             within_limits: Whether no joint is beyond its stop.
 
         Returns:
-            Reward (N) [s] and `info` (N, fields).
+            Reward (N) and `info` (N, fields).
         """
         info = np.zeros(self._shape)
         contributions = self._reward(errors)

@@ -110,7 +110,7 @@ def _show(outcome: Outcome, run: Run) -> None:
     for condition in outcome.conditions:
         console.print(condition_table(condition, outcome.seed))
     notes = [
-        "score: interquartile mean over episodes, and training seeds, of return/duration, 1 is perfect; its "
+        "score: interquartile mean over episodes, and training seeds, of the mean reward, 1 is perfect; its "
         "95 % interval is over both. Other figures are medians."
     ]
     if outcome.spread:

@@ -75,7 +75,7 @@ def _show(records: list[Record], run: Run) -> None:
     for table in (*_tables(records), *_scores(records)):
         console.print(table)
     console.print(
-        "score: interquartile mean over episodes of return/duration, 1 is perfect; other figures are medians."
+        "score: interquartile mean over episodes of the mean reward, 1 is perfect; other figures are medians."
     )
     if run.busy:
         console.print("compute time: measured beside other work; for undisturbed times choose --jobs 1.")

@@ -237,5 +237,5 @@ def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None
     console = make_console(least=TABLE_WIDTH)
     console.print(table)
     console.print(
-        "score: interquartile mean over episodes of return/duration with its 95 % interval, 1 is perfect."
+        "score: interquartile mean over episodes of the mean reward with its 95 % interval, 1 is perfect."
     )

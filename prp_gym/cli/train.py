@@ -179,7 +179,7 @@ def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers) -> None:
     for jobs in groups:
         show_results(jobs, list(islice(results, len(jobs))))
     console = make_console(least=TABLE_WIDTH)
-    console.print("score: mean of return/duration over held-out episodes, 1 is perfect.")
+    console.print("score: mean reward over held-out episodes, 1 is perfect.")
     for folder in dict.fromkeys(job.folder.parent for jobs in groups for job in jobs):
         console.print(f"runs: {folder}", highlight=False)
 

@@ -206,7 +206,7 @@ def _show(result: TunedController, target: Path) -> None:
     console.print(title, highlight=False)
     console.print(table)
     console.print(
-        f"score: mean of return/duration, over {result.episodes} training and {checked.episodes} validation"
+        f"score: mean reward, over {result.episodes} training and {checked.episodes} validation"
         " episodes; 1 is perfect."
     )
     console.print(

@@ -46,7 +46,7 @@ class Rollout:
         torque: commanded torques within the actuator limits (T, joints) [N m, N, N m].
         applied_torque: torques that acted on the joints (T, joints), with the scenario's actuation delay and
             noise [N m, N, N m].
-        reward: sum of the reward terms in `info` (T), not changed by wrappers [s].
+        reward: sum of the reward terms in `info` (T), not changed by wrappers.
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
         compute_time: time that the policy took for an action, for some or all actions [s]; the only part
@@ -65,6 +65,11 @@ class Rollout:
     info: Mapping[str, Array]
     diverged: bool
     compute_time: Array
+
+    @property
+    def planned_periods(self) -> int:
+        """Number of control periods T of the episode unless it diverges."""
+        return round(self.duration / self.period)
 
     @property
     def time(self) -> Array:

@@ -34,19 +34,18 @@ class RewardTerm:
 
 
 class Reward:
-    """dt Σ w_i κ(‖e_i/s_i‖): an episode's return lies in [0, duration] whatever the control frequency.
+    """Σ w_i κ(‖e_i/s_i‖), in [0, 1] at every step.
 
     κ(z) = 1/(1 + z): 1 without error, ½ at an error of one scale, with a nonzero slope everywhere.
 
     Args:
         terms: Reward terms, whose weights sum to 1.
-        period: Control period dt [s].
 
     Raises:
         InvalidValueError: weights that are negative or do not sum to 1, a scale that is not positive.
     """
 
-    def __init__(self, terms: Sequence[RewardTerm], period: float) -> None:
+    def __init__(self, terms: Sequence[RewardTerm]) -> None:
         total = math.fsum(term.weight for term in terms)
         if not math.isclose(total, 1.0, abs_tol=1e-9):
             raise InvalidValueError("sum of the reward weights", total, "1")
@@ -56,7 +55,7 @@ class Reward:
             if not all(value > 0.0 for value in term.scale):
                 raise InvalidValueError(f"scale of reward term {term.name!r}", term.scale, "above 0")
         self.terms = tuple(terms)
-        self._shares = [term.weight * period for term in terms]
+        self._shares = [term.weight for term in terms]
         self._largest = np.array(self._shares)
         width = max(len(term.scale) for term in terms)
         self._per_scale = np.zeros((len(terms), width))
@@ -79,7 +78,7 @@ class Reward:
                 scale; further components of shorter terms do not count.
 
         Returns:
-            Contributions (..., terms) [s], whose sum is the reward.
+            Contributions (..., terms), whose sum is the reward.
         """
         if errors.shape != self._shape:
             self._expand(errors.shape)

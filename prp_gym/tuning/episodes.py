@@ -17,7 +17,7 @@ class EpisodeScores(NamedTuple):
     """Scores of some episodes, and their cost.
 
     Attributes:
-        scores: return over duration (episodes) [1].
+        scores: mean reward over the planned steps (episodes) [1].
         steps: control steps that were simulated, of all environments together.
     """
 
@@ -45,7 +45,6 @@ class Episodes:
         self._seeds = seeds
         self._loops = {len(seeds): inner.make_loop(len(seeds)), 1: inner.make_loop(1)}
         self._horizon = int(inner.config.horizon)
-        self._duration = float(inner.duration)
         self._shape = tuple(inner.action_space.shape)
 
     @property
@@ -85,7 +84,7 @@ class Episodes:
             steps += int(np.count_nonzero(alive))
             alive &= ~step.terminated
             observation = step.observation
-        return EpisodeScores(returns / self._duration, steps)
+        return EpisodeScores(returns / self._horizon, steps)
 
 
 class _OneByOne:

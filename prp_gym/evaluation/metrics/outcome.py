@@ -9,9 +9,9 @@ register_metric(
     OutcomeMetric(
         "score",
         ("1",),
-        "return over duration, in [0, 1]; the time after a divergence counts as 0",
+        "mean reward over the planned control periods, in [0, 1]; those after a divergence count as 0",
         (),
-        lambda r: float(r.reward.sum() / r.duration),
+        lambda r: float(r.reward.sum() / r.planned_periods),
         Presentation(OUTCOME, higher_is_better=True),
     )
 )
