@@ -18,13 +18,11 @@ from prp_gym.evaluation.response import (
     time_inside_for_good,
 )
 from prp_gym.evaluation.rollout import Rollout
+from prp_gym.physics.surface import CONTACT_THRESHOLD
 from prp_gym.robot.arrays import Array
 
 DESIRED_FORCE = MetricGroup("Desired force", 14.0)
 CONTACT = MetricGroup("Contact", 15.0)
-
-CONTACT_THRESHOLD = 1e-6
-"""Contact force above which the tip is in contact [N], that of 1 µm into a surface of 1 N/m."""
 
 
 def in_contact(force: Array) -> NDArray[np.bool_]:

@@ -235,7 +235,7 @@ def test_errors_of_the_sensor_do_not_change_the_ground_truth(environment_id: str
 
 
 def reward_of(env: PRPEnv, parts: dict[str, Array], normal_error: float) -> float:
-    """The reward of a force task from named values, by the formula dt Σ w/(1 + |e/s|)."""
+    """The reward of a force task from named values, by the formula Σ w/(1 + |e/s|)."""
     inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
     deviation = parts["desired_pose"] - parts["end_effector_pose"]
     along = deviation[:3] - (deviation[:3] @ inward) * inward
@@ -243,7 +243,7 @@ def reward_of(env: PRPEnv, parts: dict[str, Array], normal_error: float) -> floa
     rate += 0.2 / (1.0 + float(np.linalg.norm(along / 0.01)))
     rate += 0.15 / (1.0 + float(np.linalg.norm(deviation[3:5] / 0.1)))
     rate += 0.05 / (1.0 + float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0])))
-    return rate / env.control_frequency
+    return rate
 
 
 def test_reward_is_computed_from_the_true_force_and_not_from_its_reading() -> None:
