@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.base.motion_errors import SCORED_ANGLES
 from prp_gym.physics.surface import CONTACT_THRESHOLD
-from prp_gym.robot.arrays import Array, dot, norm
+from prp_gym.robot.arrays import Array, dot, norm, sum_of_products
 from prp_gym.tasks.fields import FORCE_ERROR, Field, ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 from prp_gym.tasks.setup import TaskSetup
@@ -43,6 +43,7 @@ class ForceErrors(ErrorFunction):
         self._decay = math.exp(-setup.period / float(constants["disturbance_time"]))
         self._disturbance = np.zeros(0)
         self._touching: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._error: Array | None = None
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         """See `ErrorFunction.begin`: no disturbance yet, and no contact that could be lost."""
@@ -52,27 +53,31 @@ class ForceErrors(ErrorFunction):
         self._disturbance[ids] = 0.0
         self._touching[ids] = False
 
-    def _relative_error(self, ground_truth: Array) -> Array:
-        """The force error along the desired force over the desired force (...)."""
-        desired = ground_truth[..., self._desired_force]
-        error: Array = 1.0 - dot(ground_truth[..., self._force], desired) / dot(desired, desired)
-        return error
+    def _measure(self, ground_truth: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """The relative force error along the desired force (N), and whether the tip touches (N)."""
+        force, desired = ground_truth[:, self._force], ground_truth[:, self._desired_force]
+        if len(force) == 1:  # numbers are faster than small arrays, with the same bits
+            f, f_d = force[0].tolist(), desired[0].tolist()
+            error = 1.0 - sum_of_products(f, f_d) / sum_of_products(f_d, f_d)
+            return np.array([error]), np.array([math.sqrt(sum_of_products(f, f)) > CONTACT_THRESHOLD])
+        return 1.0 - dot(force, desired) / dot(desired, desired), norm(force) > CONTACT_THRESHOLD
 
     def advance(self, ground_truth: Array) -> None:
         """See `ErrorFunction.advance`."""
-        touching = norm(ground_truth[..., self._force]) > CONTACT_THRESHOLD
-        event = np.where(self._touching & ~touching, 1.0, -self._relative_error(ground_truth))
+        error, touching = self._measure(ground_truth)
+        event = np.where(self._touching & ~touching, 1.0, -error)
         self._disturbance = np.maximum(self._disturbance * self._decay, event)
-        self._touching = touching
+        self._error, self._touching = error, touching
 
     def complete(self, ground_truth: Array) -> None:
-        """See `ErrorFunction.complete`."""
-        error = self._relative_error(ground_truth)
-        touching = norm(ground_truth[..., self._force]) > CONTACT_THRESHOLD
-        disturbance = self._disturbance
-        own = ground_truth[..., self._own]
-        own[..., 0] = np.where(error < 0.0, self._excess_factor * error, error)
-        own[..., 1] = np.where(touching, disturbance, np.maximum(disturbance, 1.0))
+        """See `ErrorFunction.complete`; a reset measures anew, a step has just done so."""
+        error, touching = self._error, self._touching
+        if error is None:
+            error, touching = self._measure(ground_truth)
+        own = ground_truth[:, self._own]
+        own[:, 0] = np.where(error < 0.0, self._excess_factor * error, error)
+        own[:, 1] = np.where(touching, self._disturbance, np.maximum(self._disturbance, 1.0))
+        self._error = None
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         """(..., 5, 3): force, contact [1], tip along the surface [m], α and β [rad], torque [N m, N, N m]."""
