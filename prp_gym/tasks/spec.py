@@ -7,6 +7,7 @@ from typing import Any
 
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.tasks.parts import TaskParts
+from prp_gym.tasks.settling.criterion import SettlingCriterion
 from prp_gym.tasks.setup import TaskSetup
 
 
@@ -40,10 +41,12 @@ class TaskScoring:
     Attributes:
         columns: Metrics whose medians are the columns of the task's tables, in their order.
         error: Physical error for the audit of the reward; None leaves the task out of the audit.
+        settling: Criterion by which the task's responses count as settled; None leaves settling undefined.
     """
 
     columns: tuple[str, ...] = ()
     error: TaskError | None = None
+    settling: SettlingCriterion | None = None
 
 
 @dataclass(frozen=True)
