@@ -15,7 +15,8 @@ from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.metrics import episode_metrics
 from prp_gym.evaluation.policy_output import takes_batches
 from prp_gym.evaluation.rollout import Policy, Rollout
-from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
+from prp_gym.evaluation.score_summary import ScoreSummary
+from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
 _MOST_EPISODES = 10**6
@@ -48,10 +49,14 @@ class Evaluation:
         return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
 
     @cached_property
+    def summary(self) -> ScoreSummary:
+        """Mean, interquartile mean and worst twentieth of the score, and the failures by kind."""
+        return ScoreSummary.of(self.metrics, self.seed)
+
+    @property
     def score(self) -> Estimate:
-        """Interquartile mean of the score with a 95 % bootstrap interval."""
-        rng = np.random.default_rng(self.seed)
-        return bootstrap_interquartile_mean(self.metrics["score"][:, 0], rng)
+        """Mean of the score with a 95 % bootstrap interval."""
+        return self.summary.mean
 
     @cached_property
     def median(self) -> dict[str, Array]:

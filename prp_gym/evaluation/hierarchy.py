@@ -1,4 +1,4 @@
-"""Interquartile means of trained agents: scores spread over training seeds and over episodes.
+"""Means and interquartile means of trained agents: scores spread over training seeds and over episodes.
 
 Scores are (training seeds, episodes). A controller that is not trained has one row: a level with one member
 adds no spread, so that its interval is over episodes only and says nothing about training. With few training
