@@ -17,15 +17,13 @@ from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.search import RESULT, Search
+from prp_gym.runs.search_plan import EPISODES, SCENARIOS
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.tuning_candidates import choose_controller, with_start_gains
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tuned_controller import TunedController
-
-SEARCHED_SCENARIOS = ("realistic", "randomized")
-"""Scenarios over whose mean scores controllers are tuned unless others are named."""
 
 ControllerArgument = Annotated[
     str | None,
@@ -65,7 +63,7 @@ def tune_command(
     control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
     episodes: Annotated[
         int, typer.Option(help="Training episodes of every candidate, divided evenly among the scenarios.")
-    ] = 24,
+    ] = EPISODES,
     seed: Annotated[int, typer.Option(help="Seed of the search and of its training episodes.")] = 0,
     gains: StartGains = None,
     settings: Settings = None,
@@ -87,7 +85,7 @@ def tune_command(
     choice, controllers = choose_controller(name, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
         choice = with_start_gains(choice, controllers, env, control_frequency)
-    scenarios = tuple(scenario or SEARCHED_SCENARIOS)
+    scenarios = tuple(scenario or SCENARIOS)
     task = TuningTask(env, choice.name, scenarios, control_frequency, steps, episodes, seed)
     search = Search(task, choice, output, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
     _show(_run(search, controllers), search.folder / RESULT)
