@@ -14,6 +14,7 @@ from prp_gym.cli.reproduce import reproduce_command
 from prp_gym.cli.ship import ship_command
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
+from prp_gym.cli.tune_all import tune_all_command
 from prp_gym.cli.zoo import zoo_command
 from prp_gym.errors import PRPError
 from prp_gym.processes.interruption import Interruption, interruptible
@@ -52,6 +53,7 @@ app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
 app.command("ship")(ship_command)
 app.command("tune")(tune_command)
+app.command("tune-all")(tune_all_command)
 app.command("train")(train_command)
 app.command("zoo")(zoo_command)
 
