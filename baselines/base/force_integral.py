@@ -7,6 +7,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.baselines.base.approach_speed import ApproachSpeed
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot.arrays import Array, dot, norm
 
@@ -143,14 +144,14 @@ class ScheduledGain(ForceIntegral):
 
     Attributes:
         bandwidth: bandwidth ω_c of the force loop in contact [rad/s].
-        approach_speed: largest speed v of the position target [m/s].
+        speed: largest speed v of the position target.
         contact_threshold: force at which contact begins; contact ends at half of it [N]. Half the desired
             force replaces it where that is less.
         estimator: estimator of the surface stiffness.
     """
 
     bandwidth: float
-    approach_speed: float
+    speed: ApproachSpeed
     contact_threshold: float
     estimator: StiffnessEstimator
 
@@ -183,6 +184,8 @@ class ScheduledGain(ForceIntegral):
         self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array, rate_scaling: RateScaling
     ) -> Array:
         """ẋ_F along the axis (..., 1) [m/s]."""
-        e, v = error.value, self.approach_speed * rate_scaling.approach
+        e = error.value
+        v = rate_scaling.approach * self.speed.before_contact(error.desired, self._threshold(error))
+        limit = rate_scaling.approach * self.speed.in_contact(error.desired, stiffness)
         wanted = self.bandwidth * rate_scaling.bandwidth * e / stiffness
-        return np.where(contact, np.clip(wanted, -v, v), v * (e > 0.0))
+        return np.where(contact, np.clip(wanted, -limit, limit), v * (e > 0.0))
