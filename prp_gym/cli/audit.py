@@ -12,6 +12,7 @@ from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
 from prp_gym.comparison.audit_table import audit_table, unaware_table
 from prp_gym.comparison.values import group_conditions
 from prp_gym.evaluation.evaluate import check_protocol
+from prp_gym.runs.choice import GainsChoice
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
@@ -42,7 +43,7 @@ def audit_command(
     contradicts a criterion.
     """
     workers = Workers(jobs, backend)
-    selected = Selection.of(env or [], scenario or ["realistic"], [])
+    selected = Selection.of(env or [], scenario or ["realistic"], [], GainsChoice())
     check_protocol(episodes, seed)
     listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
     run = Run(output, workers, selected.controllers, fresh)

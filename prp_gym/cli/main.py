@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from prp_gym.cli.audit import audit_command
 from prp_gym.cli.compare import compare_command
 from prp_gym.cli.evaluate import evaluate_command
 from prp_gym.cli.export import export_command
@@ -46,6 +47,7 @@ def common(
     """Gymnasium environments and classical baselines for the PRP arm."""
 
 
+app.command("audit")(audit_command)
 app.command("compare")(compare_command)
 app.command("evaluate")(evaluate_command)
 app.command("export")(export_command)

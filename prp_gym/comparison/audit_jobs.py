@@ -148,7 +148,7 @@ def list_audit_jobs(
         jobs += [item for job in own for item in list_varied(job, selected.controllers)]
         jobs += [UnawareJob(name, *where) for name in _runnable(environment_id, scenario)]
         names = [job.controller.name for job in own if job.controller.name in CONTROLLERS]
-        intended = [name for name in names if environment_id in CONTROLLERS.find(name).intended]
+        intended = [name for name in names if environment_id in CONTROLLERS.find(name).data.intended]
         jobs += [
             RandomGainsJob(name, draw, *where)
             for name in intended

@@ -7,7 +7,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from prp_gym.comparison.audit import Audit, Finding
-from prp_gym.evaluation.table import short_id
+from prp_gym.comparison.table import short_id
 
 _ABSENT = "-"
 

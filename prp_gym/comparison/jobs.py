@@ -57,7 +57,7 @@ class ZeroPolicy:
         return np.zeros((*np.shape(observation)[:-1], self._size), dtype=np.float32), state
 
 
-def _facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
+def policy_facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
     """What a record of a comparison states about its policy, in addition to the evaluation."""
     return {"policy": policy, "kind": kind, "mode": mode, "training_seed": UNTRAINED, "history": {}}
 
@@ -86,7 +86,7 @@ class ControllerJob(EvaluationJob):
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        return {**super().run(controllers), **_facts(self.controller.name, CONTROLLER)}
+        return {**super().run(controllers), **policy_facts(self.controller.name, CONTROLLER)}
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class VariedJob(EvaluationJob):
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
         policy = f"{self.controller.name} ({self.controller.gains.name})"
-        return {**super().run(controllers), **_facts(policy, VARIED)}
+        return {**super().run(controllers), **policy_facts(policy, VARIED)}
 
 
 def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]:
@@ -150,7 +150,7 @@ class ZeroTorqueJob:
         """See `Job.run`."""
         with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
             size = int(np.prod(env.action_space.shape or ()))
-            return _evaluate(ZeroPolicy(size), env, self, _facts(ZERO, ZERO), {})
+            return _evaluate(ZeroPolicy(size), env, self, policy_facts(ZERO, ZERO), {})
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ class BudgetJob:
         """See `Job.run`."""
         tuned = self.tuned
         facts = {
-            **_facts(f"{tuned.controller} ({BUDGET})", BUDGET),
+            **policy_facts(f"{tuned.controller} ({BUDGET})", BUDGET),
             "settings": tuned.settings,
             "history": _tuning_history(tuned),
         }
@@ -265,7 +265,7 @@ class AgentJob:
         _check_digest(agent.path, digest(path), agent.sha256)
         policy = load_agent(path)
         facts = {
-            **_facts(agent.group, AGENT, agent.mode),
+            **policy_facts(agent.group, AGENT, agent.mode),
             "training_seed": agent.training_seed,
             "history": learning_history(policy.card),
             "path": agent.path,
