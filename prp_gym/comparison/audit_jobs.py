@@ -10,7 +10,7 @@ import gymnasium
 import numpy as np
 
 from prp_gym.artifacts import to_plain
-from prp_gym.baselines import CONTROLLERS
+from prp_gym.baselines import CONTROLLERS, make_baseline
 from prp_gym.baselines.base.spec import ControllerSpec
 from prp_gym.baselines.degenerate import DEGENERATE
 from prp_gym.baselines.floors import FLOORS
@@ -102,16 +102,16 @@ class RandomGainsJob:
         label = zlib.crc32(f"{self.environment_id} {self.controller}".encode())
         rng = np.random.default_rng([self.seed, label, self.draw])
         gains = start_gains(spec, self.environment_id, FREQUENCY)
-        space = SearchSpace.of(spec, spec.make(env, gains=gains).settings)
+        space = SearchSpace.of(spec, make_baseline(spec, env, gains).settings)
         most = np.log(_FAR if self.draw % _FAR_EVERY == _FAR_EVERY - 1 else _NEAR)
         for _ in range(_TRIES):
             factors = {item.name: float(np.exp(rng.uniform(-most, most))) for item in space.parameters}
             try:
-                policy: Policy = spec.make(env, **space.settings(factors))
+                policy: Policy = make_baseline(spec, env, **space.settings(factors))
             except PRPError:
                 continue
             return policy
-        return spec.make(env, gains=gains)
+        return make_baseline(spec, env, gains)
 
 
 AuditJob = ControllerJob | VariedJob | UnawareJob | RandomGainsJob | AgentJob
