@@ -16,6 +16,12 @@ from prp_gym.evaluation.score_summary import ScoreSummary
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
+SCORE_NOTE = (
+    "worst twentieth: mean of the worst 5 % of the episodes, of one at least; skill: share of what lies "
+    "between the best floor and 1; failed: share of episodes, each counted once. Other figures are medians."
+)
+"""Explanation of the columns of `score_table`, and of the other figures."""
+
 _ABSENT = "-"
 _TIME = "com-\npute\ntime\nµs"
 _SCORES = (
@@ -145,7 +151,9 @@ def score_table(title: str, rows: Sequence[Row], who: str = "controller") -> Tab
         summary = row.summary
         numbers = (*_estimate(row, summary.mean), *_estimate(row, summary.interquartile_mean))
         worst, skill = f"{summary.worst_twentieth:.3f}", _three_decimals(summary.skill(floor))
-        table.add_row(row.name, *numbers, worst, _ABSENT if row.floor else skill, *map(_share, summary.failure))
+        table.add_row(
+            row.name, *numbers, worst, _ABSENT if row.floor else skill, *map(_share, summary.failure)
+        )
     return table
 
 
