@@ -22,8 +22,8 @@ from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import SCORE_NOTE, Row, best_floor, evaluation_table, ranked, score_table
 from prp_gym.runs.choice import TUNED, GainsChoice
-from prp_gym.runs.evaluation_job import list_jobs
-from prp_gym.runs.floor_job import list_floors
+from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
+from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
@@ -62,7 +62,10 @@ def evaluate_command(
         selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
     )
     selected.check_used(listed)
-    jobs_to_run = [*listed, *list_floors(selected.conditions, control_frequency, episodes, seed)]
+    jobs_to_run: list[EvaluationJob | FloorJob] = [
+        *listed,
+        *list_floors(selected.conditions, control_frequency, episodes, seed),
+    ]
     run = Run(output, workers, selected.controllers, fresh)
     with run.hold(jobs_to_run):
         records = run.records(jobs_to_run, "evaluating")

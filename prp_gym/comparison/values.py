@@ -27,6 +27,8 @@ an agent takes; one with other gains takes part in the audit of the reward alone
 task: zero torque, and holding the start pose. Every policy has to exceed them.
 """
 
+_RENAMED = {"zero": FLOOR}  # as results of version 0.1 call it
+
 CLASSICAL = (CONTROLLER, BUDGET)
 
 
@@ -98,7 +100,7 @@ class Entry:
         }
         return cls(
             policy=first["policy"],
-            kind=first["kind"],
+            kind=_RENAMED.get(first["kind"], first["kind"]),
             mode=first["mode"],
             training_seeds=tuple(record["training_seed"] for record in records if record["kind"] == AGENT),
             scores=metrics["score"][..., 0],
