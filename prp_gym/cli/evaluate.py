@@ -62,10 +62,8 @@ def evaluate_command(
         selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
     )
     selected.check_used(listed)
-    jobs_to_run: list[EvaluationJob | FloorJob] = [
-        *listed,
-        *list_floors(selected.conditions, control_frequency, episodes, seed),
-    ]
+    floors = list_floors(selected.conditions, control_frequency, episodes, seed)
+    jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
     run = Run(output, workers, selected.controllers, fresh)
     with run.hold(jobs_to_run):
         records = run.records(jobs_to_run, "evaluating")

@@ -25,7 +25,7 @@ def pairwise(controller: Array, agent: Array) -> tuple[Estimate, bool, str, floa
     records = [
         record("joint_pd", controller),
         *agents("ppo_torque", agent),
-        record("zero", controller + 1.0, "zero"),
+        record("hold", controller + 1.0, "floor"),
     ]
     (found,) = compare_best(group_conditions(records), 0)
     assert (found.controller, found.agent) == ("joint_pd", "ppo_torque")

@@ -94,7 +94,9 @@ def test_force_settles_within_five_percent_but_not_below_what_the_sensor_resolve
 ) -> None:
     criterion = ForceSettling(0.05, 0.2, 0.01, 0.042)
     rest = np.zeros((SAMPLES, 6))
-    moved = rest + [0.01, 7.0, 0.0, 0.042, 0.0, 9.0]  # along the force and about γ it does not matter
+    moved = rest + np.array(
+        [0.01, 7.0, 0.0, 0.042, 0.0, 9.0]
+    )  # the 7 m are along the force, the 9 rad about γ
     along = np.array([0.0, 1.0, 0.0])
     fields = {
         "contact_force": STILL + (desired - tolerance) * along,
@@ -121,9 +123,7 @@ def test_undefined_deviation_never_settles() -> None:
         (5.0 * np.exp(-TIME), False),
     ],
 )
-def test_limit_cycle_is_an_oscillation_that_is_large_fast_and_does_not_decay(
-    signal: Array, cycle: bool
-) -> None:
+def test_limit_cycle_is_a_large_fast_oscillation_that_does_not_decay(signal: Array, cycle: bool) -> None:
     assert oscillates_for_good([STILL, signal[:, None]], STILL) == cycle
 
 

@@ -51,7 +51,8 @@ def cells(*rows: Row, kind: str = "joint") -> list[str]:
 def test_cells_of_a_joint_task_show_the_known_values() -> None:
     (line,) = body(row(fields=joints([-0.012, 0.0034, 0.5]), applied_torque=np.full((2, 3), 50.0)))
     # scores ½ in every episode; RMSE over three samples, the first with the whole step; the steady error
-    # is that of the last sample; joints 1 and 2 overshoot by 0.6 and 0.34 cm at the tip, after a move of 56.3 cm; 3·50 W for 0.02 s
+    # is that of the last sample; joints 1 and 2 overshoot by 0.6 and 0.34 cm at the tip, after a move of
+    # 56.3 cm; 3·50 W for 0.02 s
     assert line.split() == [
         LONGEST_NAME,
         *("0.500", "0.500-0.500"),
@@ -82,7 +83,7 @@ def test_cells_of_a_task_with_a_reference_model_show_the_known_values() -> None:
 
 
 def test_cells_of_a_force_task_show_the_known_values() -> None:
-    # force errors 2, -2 and 2 N, a peak of 5 N where 2 N are desired; what stands before them is the orientation's RMSE
+    # force errors 2, -2 and 2 N, a peak of 5 N where 2 N are desired; before them the orientation's RMSE
     assert cells(row(fields=KINDS["force"]), kind="force") == [
         "3.3",
         "2",
@@ -124,9 +125,9 @@ def test_compute_time_is_shown_in_whole_microseconds(time: float, shown: str) ->
 def test_what_an_episode_does_not_have_is_a_dash() -> None:
     moving = joints()
     moving["desired_joint_position"][0, 0] = 0.5
-    # settling time and overshoot of a moving reference; the steady error is there
-    assert cells(row(fields=moving))[3:] == ["0", "0", "0", "-", "-", "0", "0"]
-    assert cells(row(diverged=True)) == ["-"] * 6
+    # overshoot of a moving reference; the steady error is there
+    assert cells(row(fields=moving))[3:] == ["0", "0", "0", "0.01", "-", "0", "0"]
+    assert cells(row(diverged=True)) == ["-", "-", "never", "-", "-", "-"]
 
 
 def test_what_an_environment_does_not_have_is_no_column() -> None:
