@@ -11,19 +11,21 @@ from prp_gym.tasks.registration import list_envs
 _SCORES = f"""\
 The score of an episode is its return over its duration. Tables of scores show
 
-- **score**: the mean over the episodes with a 95 % bootstrap interval. Policies are ranked by it: one that fails in
-  a quarter of the episodes loses a quarter of the score.
+- **score**: the mean over the episodes with a 95 % bootstrap interval. Policies are ranked by it: one
+  that fails in a quarter of the episodes loses a quarter of the score.
 - **interquartile mean**: the mean of the middle half. It is robust to outliers, and hides failures.
 - **worst twentieth**: the mean of the worst 5 % of the episodes, rounded down, of one at least.
-- **skill**: (score - floor)/(1 - floor) with the better of two floors: `zero_torque`, and `hold`, which keeps the
-  start pose by inverse dynamics on the nominal model. Floors stand in every table after the other policies.
-- **failed**: the share of episodes with each kind of failure. An episode has the first that applies, or none:
+- **skill**: (score - floor)/(1 - floor) with the better of two floors: `zero_torque`, and `hold`, which
+  keeps the start pose by inverse dynamics on the nominal model. Floors stand in every table after the
+  other policies.
+- **failed**: the share of episodes with each kind of failure. An episode has the first that applies, or
+  none:
   1. diverged: the simulation ended early.
-  2. excess force: the peak of the contact force is above {MOST_FORCE:g} times the desired force; without a desired
-     force, above the task's bound.
-  3. limit cycle: in the second half of the episode a deviation makes at least three full oscillations, and twice as
-     many as the reference; in the last quarter they are larger than the tolerance of settling, and at least half as
-     large as in the quarter before.
+  2. excess force: the peak of the contact force is above {MOST_FORCE:g} times the desired force;
+     without a desired force, above the task's bound.
+  3. limit cycle: in the second half of the episode a deviation makes at least three full oscillations,
+     and twice as many as the reference; in the last quarter they are larger than the tolerance of
+     settling, and at least half as large as in the quarter before.
   4. unsettled: the responses are not within the tolerances of settling over the last tenth.
 """
 

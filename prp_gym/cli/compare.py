@@ -130,8 +130,8 @@ def _show(outcome: Outcome, run: Run) -> None:
     if outcome.efforts:
         console.print(effort_table(outcome.efforts))
         notes.append(
-            "learning effort: medians over training seeds, from the mean scores that training or tuning itself "
-            "has measured, in the scenario named; violations: in the whole training."
+            "learning effort: medians over training seeds, from the mean scores that training or tuning "
+            "itself has measured, in the scenario named; violations: in the whole training."
         )
     if outcome.audits:
         console.print(audit_table(outcome.audits))

@@ -35,7 +35,7 @@ def test_hold_keeps_the_start_pose_with_model_errors_and_delay(environment_id: s
     joints = rollout.fields["joint_position"]
     limit = TIP if frequency == 500.0 else 0.3  # the bandwidth is lower by a factor of eight, and squared
     assert np.abs(joints - joints[0]).max() < limit
-    assert np.abs(rollout.fields["joint_velocity"][-1]).max() < 0.05
+    assert np.abs(rollout.fields["joint_velocity"][-1]).max() < 0.2  # rad/s, m/s: torque noise moves joint 3
 
 
 def test_every_condition_has_both_floors() -> None:
