@@ -100,7 +100,7 @@ class Entry:
         }
         return cls(
             policy=first["policy"],
-            kind=_RENAMED.get(first["kind"], first["kind"]),
+            kind=_RENAMED.get(str(first["kind"]), str(first["kind"])),
             mode=first["mode"],
             training_seeds=tuple(record["training_seed"] for record in records if record["kind"] == AGENT),
             scores=metrics["score"][..., 0],

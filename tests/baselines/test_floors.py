@@ -19,7 +19,7 @@ def test_floors_are_no_controllers() -> None:
 
 
 @pytest.mark.parametrize("environment_id", list_envs())
-def test_zero_torque_sets_no_torque(environment_id: str) -> None:
+def test_torques_of_zero_torque_are_zero(environment_id: str) -> None:
     env = gymnasium.make(environment_id, duration=0.1)
     rollout = record_episode(FLOORS["zero_torque"].make(env), env, 0)
     env.close()
