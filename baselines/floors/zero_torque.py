@@ -1,4 +1,4 @@
-"""The floor `zero_torque`: no torque at all."""
+"""The floor `zero_torque`: all torques are zero."""
 
 from dataclasses import dataclass
 
@@ -32,4 +32,6 @@ class ZeroTorqueFloor(StaticBaseline[ZeroTorqueSettings]):
         return np.zeros(observed["joint_position"].shape)
 
 
-ZERO_TORQUE = ControllerSpec(name="zero_torque", summary="floor: no torque", policy=ZeroTorqueFloor)
+ZERO_TORQUE = ControllerSpec(
+    name="zero_torque", summary="floor: all torques are zero", policy=ZeroTorqueFloor
+)

@@ -1,7 +1,8 @@
 """Learning effort: training or tuning until a policy is as good as the best controller, and its violations.
 
-Histories are those of training or tuning, on episodes and in a scenario of their own. The score to be reached
-is that of the best controller in the same scenario.
+Histories are those of training or tuning: means over episodes of their own scenario. The score to be reached
+is the same measure of the best controller, its mean over the evaluation episodes of that scenario; both
+estimate the expected score.
 """
 
 from collections.abc import Sequence
@@ -57,7 +58,7 @@ class Effort:
         scenario: scenario in which the policy was trained or tuned.
         policy: name of the policy.
         kind: kind of the policy, `agent` or `budget`.
-        goal: score of the best controller in that scenario [1].
+        goal: mean score of the best controller in that scenario [1].
         best: median over training seeds of the highest score of each history [1].
         members: number of training seeds.
         reached: number of training seeds that reached the goal.

@@ -1,21 +1,20 @@
-"""Jobs of a comparison: controllers, the same at equal budget or with other gains, agents, zero torque."""
+"""Jobs of a comparison: controllers, the same at equal budget or with other gains, agents, floors."""
 
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.artifacts import to_plain
 from prp_gym.baselines import CONTROLLERS
 from prp_gym.comparison.agents import AgentFile, agent_revision, digest, learning_history
-from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, VARIED, ZERO
+from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, FLOOR, VARIED
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import evaluate
@@ -23,38 +22,13 @@ from prp_gym.evaluation.rollout import Policy
 from prp_gym.runs.choice import GainsChoice
 from prp_gym.runs.controllers import Controllers, gain_sets_of
 from prp_gym.runs.evaluation_job import EvaluationJob, make_environment
+from prp_gym.runs.floor_job import FloorJob
 from prp_gym.runs.job import Record, make_record
 from prp_gym.tuning import TunedController, list_tuned_controllers, load_tuned_controller
 
 TORQUE = EnvConfig.action_mode
 UNTRAINED = -1
 """Training seed of a policy that is not trained."""
-
-
-class ZeroPolicy:
-    """The zero-torque baseline.
-
-    Args:
-        size: number of components of an action.
-
-    Attributes:
-        batched: whether `predict` also takes several observations at once.
-    """
-
-    batched: ClassVar[bool] = True
-
-    def __init__(self, size: int) -> None:
-        self._size = size
-
-    def predict(
-        self,
-        observation: NDArray[Any],
-        state: Any = None,
-        episode_start: NDArray[np.bool_] | None = None,
-        deterministic: bool = True,
-    ) -> tuple[NDArray[np.float32], Any]:
-        """Zeros (..., size) for observations (..., any)."""
-        return np.zeros((*np.shape(observation)[:-1], self._size), dtype=np.float32), state
 
 
 def policy_facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
@@ -124,33 +98,17 @@ def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]
 
 
 @dataclass(frozen=True)
-class ZeroTorqueJob:
-    """The zero-torque baseline on an environment.
-
-    Attributes:
-        environment_id: id of the environment.
-        scenario: name of the scenario.
-        control_frequency: control frequency of the environment [Hz].
-        episodes: number of episodes.
-        seed: random seed of the first episode.
-    """
-
-    environment_id: str
-    scenario: str
-    control_frequency: float
-    episodes: int
-    seed: int
+class ComparedFloorJob(FloorJob):
+    """A floor with which policies are compared."""
 
     @property
     def name(self) -> str:
-        """See `Job.name`."""
-        return f"{self.environment_id}_{self.scenario}_{ZERO}"
+        """See `Job.name`; it differs from that of an evaluation, whose records hold less."""
+        return f"{super().name}_compared"
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
-            size = int(np.prod(env.action_space.shape or ()))
-            return _evaluate(ZeroPolicy(size), env, self, policy_facts(ZERO, ZERO), {})
+        return {**super().run(controllers), **policy_facts(self.floor, FLOOR)}
 
 
 @dataclass(frozen=True)
@@ -275,7 +233,7 @@ class AgentJob:
             return _evaluate(policy, env, self, facts, {"agent": agent_revision(policy.card)})
 
 
-ComparisonJob = ControllerJob | VariedJob | ZeroTorqueJob | BudgetJob | AgentJob
+ComparisonJob = ControllerJob | VariedJob | ComparedFloorJob | BudgetJob | AgentJob
 
 
 def _check_digest(path: str, found: str, expected: str) -> None:

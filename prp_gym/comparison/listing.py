@@ -7,14 +7,15 @@ from prp_gym.comparison.agents import AgentFile
 from prp_gym.comparison.jobs import (
     AgentJob,
     BudgetJob,
+    ComparedFloorJob,
     ComparisonJob,
     ControllerJob,
-    ZeroTorqueJob,
     find_tuned_controllers,
     list_varied,
 )
 from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.runs.evaluation_job import list_jobs, make_environment
+from prp_gym.runs.floor_job import list_floors
 from prp_gym.runs.selection import Selection
 
 FREQUENCY = 500.0
@@ -24,7 +25,7 @@ FREQUENCY = 500.0
 def list_comparison_jobs(
     selected: Selection, agents: Sequence[AgentFile], episodes: int, seed: int, varied: bool = False
 ) -> list[ComparisonJob]:
-    """In each condition the controllers, those tuned at equal budget, the agents, and zero torque.
+    """In each condition the controllers, those tuned at equal budget, the agents, and the floors.
 
     Args:
         selected: chosen conditions and controllers.
@@ -49,7 +50,8 @@ def list_comparison_jobs(
         jobs += [
             AgentJob(item, scenario, count, seed) for item in agents if item.environment_id == environment_id
         ]
-        jobs.append(ZeroTorqueJob(environment_id, scenario, FREQUENCY, count, seed))
+        floors = list_floors([(environment_id, scenario)], FREQUENCY, episodes, seed)
+        jobs += [ComparedFloorJob(**vars(job)) for job in floors]
     if varied:
         compared = [job for job in jobs if isinstance(job, ControllerJob)]
         jobs += [item for job in compared for item in list_varied(job, selected.controllers)]

@@ -14,13 +14,13 @@ from prp_gym.comparison.statistics import (
     score_of,
 )
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, KINDS, ZERO, Condition
+from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, FLOOR, KINDS, Condition
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLORS = {CONTROLLER: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
+COLORS = {CONTROLLER: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", FLOOR: "#777777"}
 """Colours of the kinds of policies."""
 
 MODE_COLORS = (
@@ -38,7 +38,7 @@ MODE_COLORS = (
 
 GRID = "#dddddd"
 _DPI = 100
-_MARKERS = {CONTROLLER: "o", BUDGET: "s", AGENT: "D", ZERO: "x"}
+_MARKERS = {CONTROLLER: "o", BUDGET: "s", AGENT: "D", FLOOR: "x"}
 _MICROSECONDS = 1e6
 
 
@@ -143,7 +143,7 @@ def draw_compute(conditions: Sequence[Condition]) -> bytes:
     scenarios = list(dict.fromkeys(condition.scenario for condition in conditions))
     figure = new_figure(6.0 * len(scenarios), 5.0)
     panels = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
-    kinds = [kind for kind in _kinds(conditions) if kind != ZERO]
+    kinds = _kinds(conditions)
     for axes, scenario in zip(panels, scenarios, strict=True):
         for kind in kinds:
             shown = (condition for condition in conditions if condition.scenario == scenario)

@@ -14,7 +14,8 @@ from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, CONTROLLER, Cond
 from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_tasks
 from prp_gym.evaluation.improvement import paired_probability_of_improvement
 from prp_gym.evaluation.profiles import Profile, performance_profile
-from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean, interquartile_mean
+from prp_gym.evaluation.score_summary import ScoreSummary, failure_of
+from prp_gym.evaluation.statistics import Estimate, bootstrap_mean, mean, worst_twentieth
 from prp_gym.robot.arrays import Array
 
 UNDECIDED = "-"
@@ -30,7 +31,7 @@ THRESHOLDS = np.linspace(0.0, 1.0, 101)
 
 
 def estimate_score(entry: Entry, seed: int) -> Estimate:
-    """Interquartile mean of the score with a 95 % interval.
+    """Mean of the score with a 95 % interval.
 
     The interval is over the episodes, and for agents over the training seeds, too, all of which were
     evaluated on the same episodes.
@@ -41,13 +42,28 @@ def estimate_score(entry: Entry, seed: int) -> Estimate:
     """
     rng = np.random.default_rng(seed)
     if entry.kind == AGENT:
-        return bootstrap_crossed(entry.scores, rng)
-    return bootstrap_interquartile_mean(entry.scores[0], rng)
+        return bootstrap_crossed(entry.scores, rng, statistic=mean)
+    return bootstrap_mean(entry.scores[0], rng)
+
+
+def summarise(entry: Entry, seed: int) -> ScoreSummary:
+    """Scores of a policy with intervals as in `estimate_score`, and its failed episodes.
+
+    Args:
+        entry: a policy under a condition.
+        seed: random seed of the bootstrap.
+    """
+    return ScoreSummary(
+        mean=estimate_score(entry, seed),
+        interquartile_mean=bootstrap_crossed(entry.scores, np.random.default_rng(seed)),
+        worst_twentieth=worst_twentieth(entry.scores),
+        failure=failure_of(entry.metrics),
+    )
 
 
 def score_of(entry: Entry) -> float:
-    """Interquartile mean of all scores."""
-    return float(interquartile_mean(entry.scores.ravel()))
+    """Mean of all scores."""
+    return float(entry.scores.mean())
 
 
 def best_of(entries: Sequence[Entry]) -> Entry:
@@ -60,9 +76,9 @@ class Spread:
     """Scores of agents that differ in their training seed alone.
 
     Attributes:
-        median: median over the training seeds of the interquartile mean of each [1].
-        low: interquartile mean of the worst training seed [1].
-        high: interquartile mean of the best training seed [1].
+        median: median over the training seeds of the mean of each [1].
+        low: mean of the worst training seed [1].
+        high: mean of the best training seed [1].
     """
 
     median: float
@@ -72,7 +88,7 @@ class Spread:
 
 def training_spread(entry: Entry) -> Spread:
     """Median and range of the score over the training seeds of an entry."""
-    each = interquartile_mean(entry.scores)
+    each = mean(entry.scores)
     return Spread(float(np.median(each)), float(each.min()), float(each.max()))
 
 
@@ -146,7 +162,7 @@ def _compare(condition: Condition, controller: Entry, agent: Entry, seed: int) -
         agent.policy,
         estimate_score(controller, seed),
         estimate_score(agent, seed),
-        bootstrap_difference(agent.scores, controller.scores, rng),
+        bootstrap_difference(agent.scores, controller.scores, rng, statistic=mean),
         # without its interval, which would not include the spread over training seeds
         paired_probability_of_improvement(ours, theirs, rng).value,
     )
@@ -160,7 +176,7 @@ class Aggregate:
         scenario: name of the scenario.
         family: the best policy of a kind on each task; agents also by action mode.
         tasks: number of tasks.
-        score: interquartile mean over the tasks of the interquartile mean on each.
+        score: mean over the tasks of the mean on each.
         reference: score of the best controller, aggregated in the same way over the same tasks.
         profile: share of scores above each threshold, with equal weights of the tasks.
     """
@@ -220,7 +236,7 @@ def _aggregate(
         scenario,
         family,
         len(scores),
-        bootstrap_tasks(scores, rng),
-        bootstrap_tasks(controllers, rng) if len(controllers) == len(scores) else nothing,
+        bootstrap_tasks(scores, rng, statistic=mean),
+        bootstrap_tasks(controllers, rng, statistic=mean) if len(controllers) == len(scores) else nothing,
         performance_profile({task: rows.ravel() for task, rows in scores.items()}, THRESHOLDS, rng),
     )

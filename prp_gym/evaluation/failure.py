@@ -57,8 +57,8 @@ def _kind(rollout: Rollout) -> str:
 
 def _presses_too_hard(rollout: Rollout) -> bool:
     """Whether the contact force exceeds what the task allows."""
-    desired = rollout.fields.get("desired_force")
-    if desired is None:
+    force, desired = (rollout.fields.get(name) for name in ("contact_force", "desired_force"))
+    if force is None or desired is None:
         return bool(np.any(rollout.info.get("cost_force_bound", 0.0)))
-    force = np.sqrt((rollout.fields["contact_force"] ** 2).sum(axis=-1))
-    return bool((force > MOST_FORCE * np.sqrt((desired**2).sum(axis=-1))).any())
+    magnitude = np.sqrt((force**2).sum(axis=-1))
+    return bool((magnitude > MOST_FORCE * np.sqrt((desired**2).sum(axis=-1))).any())

@@ -151,6 +151,8 @@ def oscillates_for_good(deviations: Sequence[Array], reference: Array) -> bool:
     """
     every = np.concatenate(deviations, axis=-1)[len(reference) // 2 :]
     planned = reference[len(reference) // 2 :]
+    if len(every) < _LEAST_SWINGS:
+        return False
     least = max(_LEAST_SWINGS, 2 * max((_swings(values) for values in planned.T), default=0))
     before, after = (_amplitude(part) for part in np.array_split(every, 2))
     sustained = (after > 1.0) & (after >= _SUSTAINED * before)

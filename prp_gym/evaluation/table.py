@@ -16,17 +16,22 @@ from prp_gym.evaluation.score_summary import ScoreSummary
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
+SCORE_NOTE = (
+    "worst twentieth: mean of the worst 5 % of the episodes, of one at least; skill: share of what lies "
+    "between the best floor and 1; failed: share of episodes, each counted once. Other figures are medians."
+)
+"""Explanation of the columns of `score_table`, and of the other figures."""
+
 _ABSENT = "-"
 _TIME = "com-\npute\ntime\nµs"
 _SCORES = (
     "score",
     "95 %\ninterval",
     "inter-\nquartile\nmean",
-    "95 %\ninterval",
     "worst\ntwen-\ntieth",
     "skill",
 )
-_FAILED = ("di-\nverged", "excess\nforce", "limit\ncycle", "un-\nsettled")  # in the order of `FAILURES`
+_FAILED = ("di-\nverged", "excess\nforce", "limit\ncycle", "un-\nset-\ntled")  # in the order of `FAILURES`
 _SMALLEST = 0.005
 _TWO_DECIMALS_BELOW = 0.1
 _WHOLE_FROM = 10.0
@@ -143,9 +148,9 @@ def score_table(title: str, rows: Sequence[Row], who: str = "controller") -> Tab
     table = _make(title, who, headers)
     for row in ranked(rows):
         summary = row.summary
-        numbers = (*_estimate(row, summary.mean), *_estimate(row, summary.interquartile_mean))
-        worst, skill = f"{summary.worst_twentieth:.3f}", _three_decimals(summary.skill(floor))
-        table.add_row(row.name, *numbers, worst, _ABSENT if row.floor else skill, *map(_share, summary.failure))
+        numbers = (*_score(row), f"{summary.interquartile_mean.value:.3f}", f"{summary.worst_twentieth:.3f}")
+        skill = _ABSENT if row.floor else _three_decimals(summary.skill(floor))
+        table.add_row(row.name, *numbers, skill, *map(_share, summary.failure.tolist()))
     return table
 
 
@@ -180,12 +185,9 @@ def _columns(metrics: Iterable[str], rows: Sequence[Row]) -> list[_MetricColumn]
 
 
 def _score(row: Row) -> tuple[str, str]:
-    return _estimate(row, row.score)
-
-
-def _estimate(row: Row, estimate: Estimate) -> tuple[str, str]:
-    interval = f"{estimate.low:.3f}-{estimate.high:.3f}" if row.episodes > 1 else "1 episode"
-    return f"{estimate.value:.3f}", interval
+    score = row.score
+    interval = f"{score.low:.3f}-{score.high:.3f}" if row.episodes > 1 else "1 episode"
+    return f"{score.value:.3f}", interval
 
 
 def _three_decimals(value: float) -> str:

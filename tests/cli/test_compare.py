@@ -60,7 +60,7 @@ OPTIONS = [
     "--episodes",
     "3",
 ]
-POLICIES = ["joint_pd", "joint_inverse_dynamics", "joint_pd (budget)", "ppo_torque", "zero"]
+POLICIES = ["joint_pd", "joint_inverse_dynamics", "joint_pd (budget)", "ppo_torque", "zero_torque", "hold"]
 
 
 def shipped_in(folder: Path) -> dict[str, Path]:
@@ -128,7 +128,7 @@ def test_policies_are_run_as_the_evaluator_runs_them(tmp_path: Path) -> None:
         assert row["episodes"] == to_plain(evaluation.metrics)
     periods = {row["policy"]: row["control_period"] for row in content["evaluations"]}
     assert periods == dict.fromkeys(POLICIES, 0.002) | {"ppo_torque": 0.02}
-    (zero,) = (row for row in content["evaluations"] if row["policy"] == "zero")
+    (zero,) = (row for row in content["evaluations"] if row["policy"] == "zero_torque")
     assert np.abs(zero["episodes"]["torque_rms"]).max() == 0.0
 
 

@@ -193,7 +193,8 @@ def test_energy_that_was_received_first_may_be_given_back() -> None:
 
 def test_free_motion_injects_nothing_and_angles_do_not_matter() -> None:
     turning = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0], (SAMPLES, 1))
-    fields = {"desired_velocity": np.zeros((SAMPLES, 6)), "end_effector_velocity": turning}
+    rest = np.zeros((SAMPLES, 6))
+    fields = {"desired_velocity": rest, "end_effector_velocity": turning, "model_pose": rest}
     for force in (np.zeros((SAMPLES, 3)), press(20)):
         values = episode_metrics(make_rollout({**fields, "contact_force": force}))
         np.testing.assert_array_equal(values["injected_energy"], [0.0])
