@@ -25,9 +25,7 @@ _FAILED = 1  # exit code
 
 def tune_all_command(
     env: Environments = None,
-    baseline: Annotated[
-        list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")
-    ] = None,
+    baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
     budget_scale: Annotated[
         float,
         typer.Option(help="Share of the simulated training time of an agent that is the budget of a search."),

@@ -12,22 +12,19 @@ from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]
 
-CONTROLLER, BUDGET, AGENT, ZERO, VARIED = "controller", "budget", "agent", "zero", "varied"
+CONTROLLER, AGENT, ZERO, VARIED = "controller", "agent", "zero", "varied"
 KINDS = {
     CONTROLLER: "controller",
-    BUDGET: "controller, equal budget",
     AGENT: "agent",
     ZERO: "zero torque",
     VARIED: "controller, other gains",
 }
 """Kinds of policies with their names in tables and plots.
 
-A controller has its tuned gains; one of equal budget was tuned with as much simulated time as the training of
-an agent takes; one with other gains takes part in the audit of the reward alone. Zero torque is the baseline
-that every policy has to beat.
+A controller has its tuned gains, which a search has found with as much simulated time as the training of an
+agent takes; one with other gains takes part in the audit of the reward alone. Zero torque is the baseline that
+every policy has to beat.
 """
-
-CLASSICAL = (CONTROLLER, BUDGET)
 
 
 @dataclass(frozen=True, eq=False)
