@@ -30,9 +30,7 @@ def ship_gains_command(
     """
     results = sorted(searches.glob(f"*/{RESULT}"))
     if not results:
-        raise InvalidValueError(
-            "--searches", str(searches), f"a folder of searches, each with a {RESULT}"
-        )
+        raise InvalidValueError("--searches", str(searches), f"a folder of searches, each with a {RESULT}")
     for path in results:
         load_tuned_controller(path)  # so that a damaged one is refused before anything is written
     folder = searches_folder() if output is None else output

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLORS = {CONTROLLER: "#0b5fa5", AGENT: "#d1661f", ZERO: "#777777"}
-TUNING = "#5aa7dd"
-"""Color of the searches for the gains of controllers."""
 """Colours of the kinds of policies."""
+
+TUNING = "#5aa7dd"
+"""Colour of the searches for the gains of controllers."""
 
 MODE_COLORS = (
     "#d1661f",

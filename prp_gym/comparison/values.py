@@ -22,8 +22,8 @@ KINDS = {
 """Kinds of policies with their names in tables and plots.
 
 A controller has its tuned gains, which a search has found with as much simulated time as the training of an
-agent takes; one with other gains takes part in the audit of the reward alone. Zero torque is the baseline that
-every policy has to beat.
+agent takes; one with other gains takes part in the audit of the reward alone. Zero torque is the baseline
+that every policy has to beat.
 """
 
 

@@ -138,7 +138,7 @@ def test_target_impedance_of_the_task_is_the_centre_of_the_search() -> None:
 
 @pytest.mark.parametrize(("rate", "gains"), [(500.0, "tuned"), (1000.0, "tuned"), (50.0, "tuned_50hz")])
 def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> None:
-    task = TuningTask("PRP-JointTracking-v0", "joint_pd", "randomized", rate, 10_000)
+    task = TuningTask("PRP-JointTracking-v0", "joint_pd", ("randomized",), rate, 10_000)
     assert start_gains(BASELINES[task.controller], task.environment_id, rate) == gains
     with closing(gymnasium.make(task.environment_id, control_frequency=rate)) as env:
         centre = vars(make_candidates(task, env).space)["centre"]
@@ -147,7 +147,7 @@ def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> Non
 
 
 def test_controller_that_does_not_exist_is_refused() -> None:
-    task = TuningTask("PRP-JointTracking-v0", "joint_pid", "randomized", 500.0, 10_000)
+    task = TuningTask("PRP-JointTracking-v0", "joint_pid", ("randomized",), 500.0, 10_000)
     with pytest.raises(UnknownNameError, match=r"unknown baseline 'joint_pid'\. Did you mean 'joint_pd'"):
         make_candidates(task, environment(task.environment_id))
 
