@@ -92,7 +92,7 @@ def _draw_panel(
     for index, entry in enumerate(entry for entry in entries if entry.kind == CONTROLLER):
         history, style = entry.histories[0], _DASHES[index % len(_DASHES)]
         time, label = history.simulated_seconds, "controllers, best candidate of the search"
-        (line,) = axes.step(time, history.score, style, where="post", color=COLORS[TUNING])
+        (line,) = axes.step(time, history.score, style, where="post", color=TUNING)
         lines.setdefault(label, line)
     for goal in goals:
         lines["best controller"] = axes.axhline(goal, color=COLORS[CONTROLLER], linestyle="-.", linewidth=1.3)
