@@ -140,7 +140,11 @@ def _gain_set(label: str, content: Mapping[str, Any], environment_id: str, file:
 def _on(environment_id: str, content: Mapping[str, Any]) -> dict[str, Any]:
     """The common values, with an environment's own in their place where it has some."""
     own: Mapping[str, Any] = content.get(environment_id, {})
-    common = {key: value for key, value in content.items() if not isinstance(value, Mapping)}
+    common = {
+        key: value
+        for key, value in content.items()
+        if key == TARGET_FACTOR or not isinstance(value, Mapping)  # which are those of environments
+    }
     try:
         return deepcopy({**common, **own})
     except Exception as error:  # objects that cannot be copied are no settings

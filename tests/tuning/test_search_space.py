@@ -12,7 +12,7 @@ import pytest
 
 import prp_gym
 from prp_gym import list_envs
-from prp_gym.agents import list_agents
+from prp_gym.agents.policy.agent_file import list_agents
 from prp_gym.baselines import BASELINES, ControllerData, gain_sets, load_gains, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.registry import NOT_IN_THE_REPORT
@@ -177,13 +177,11 @@ def test_settings_that_are_no_vectors_are_left_alone() -> None:
 
 def test_declared_limit_is_that_of_every_component(tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    row = (
-        'of = "joint"\nrange = [0.1, 10.0]\npowers = {derivative_gain = 1}\nlimit_high = "2 K_D dt < inertia"'
-    )
+    row = 'of = "joint"\nrange = [0.1, 10.0]\npowers = {derivative_gain = 1}\nlimit_high = "2 K_D dt < M"'
     file.write_text(f"[search.damping]\n{row}\n", encoding="utf-8")
     policy = make_baseline("joint_pd", environment("PRP-JointTracking-v0"))
     space = SearchSpace.of(replace(BASELINES["joint_pd"], data=ControllerData(file)), policy.settings)
-    assert [item.limits for item in space.parameters] == [("", "2 K_D dt < inertia")] * 3
+    assert [item.limits for item in space.parameters] == [("", "2 K_D dt < M")] * 3
 
 
 def test_controllers_are_intended_for_environments_on_which_they_run() -> None:
