@@ -27,7 +27,8 @@ class ControllerData:
 
     `[gains.<set>]` holds settings by name with their `source` and, where needed, the `minimum_frequency` [Hz]
     of control below which the set is refused; `[gains.<set>."<environment id>"]` holds the values that differ
-    on one environment. `[search.<parameter>]` is a parameter of tuning, a factor on the settings of the set
+    on one environment; there `target_factor.<setting>` multiplies the target impedance of the task, in a set
+    that takes it. `[search.<parameter>]` is a parameter of tuning, a factor on the settings of the set
     `tuned`; `prp_gym.tuning.search_space` explains its rows. `intended` lists the ids of the environments for
     which the controller is meant, where its gains are searched. The suite's own sets are called
 

@@ -13,6 +13,7 @@ from prp_gym.cli.export import export_command
 from prp_gym.cli.listing import list_command
 from prp_gym.cli.reproduce import reproduce_command
 from prp_gym.cli.ship import ship_command
+from prp_gym.cli.ship_gains import ship_gains_command
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.cli.tune_all import tune_all_command
@@ -54,6 +55,7 @@ app.command("export")(export_command)
 app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
 app.command("ship")(ship_command)
+app.command("ship-gains")(ship_gains_command)
 app.command("tune")(tune_command)
 app.command("tune-all")(tune_all_command)
 app.command("train")(train_command)

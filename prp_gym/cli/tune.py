@@ -148,7 +148,7 @@ def _show(result: TunedController, target: Path) -> None:
     console.print(title, highlight=False)
     console.print(table)
     console.print(
-        f"score: mean over scenarios of return/duration, over {result.episodes} training and "
+        f"score: mean over scenarios of the mean reward, over {result.episodes} training and "
         f"{checked.episodes} validation episodes; 1 is perfect."
     )
     if checked.kept_start:

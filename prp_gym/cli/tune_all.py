@@ -25,9 +25,7 @@ _FAILED = 1  # exit code
 
 def tune_all_command(
     env: Environments = None,
-    baseline: Annotated[
-        list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")
-    ] = None,
+    baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
     budget_scale: Annotated[
         float,
         typer.Option(help="Share of the simulated training time of an agent that is the budget of a search."),
@@ -67,7 +65,7 @@ def tune_all_command(
     results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
     console.print(_table(results))
     console.print(
-        "score: mean over scenarios and validation episodes of return/duration, 1 is perfect. A result that "
+        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
         "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range.",
         highlight=False,
     )

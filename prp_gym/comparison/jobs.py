@@ -1,9 +1,9 @@
-"""Jobs of a comparison: controllers, the same at equal budget or with other gains, agents, floors."""
+"""Jobs of a comparison: controllers, the same with other gains, agents, floors."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +12,13 @@ import numpy as np
 
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.artifacts import to_plain
-from prp_gym.baselines import CONTROLLERS
 from prp_gym.comparison.agents import AgentFile, agent_revision, digest, learning_history
-from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, FLOOR, VARIED
+from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, VARIED
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import evaluate
 from prp_gym.evaluation.rollout import Policy
-from prp_gym.runs.choice import GainsChoice
+from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers, gain_sets_of
 from prp_gym.runs.evaluation_job import EvaluationJob, make_environment
 from prp_gym.runs.floor_job import FloorJob
@@ -51,7 +50,13 @@ def _evaluate(
 
 @dataclass(frozen=True)
 class ControllerJob(EvaluationJob):
-    """A controller with the gains with which it is compared."""
+    """A controller with the gains with which it is compared.
+
+    Attributes:
+        searched: search that found the gains; None for gains of another origin.
+    """
+
+    searched: TunedController | None = None
 
     @property
     def name(self) -> str:
@@ -60,7 +65,10 @@ class ControllerJob(EvaluationJob):
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        return {**super().run(controllers), **policy_facts(self.controller.name, CONTROLLER)}
+        facts = policy_facts(self.controller.name, CONTROLLER)
+        if self.searched is not None:
+            facts["history"] = to_plain(_search_history(self.searched, self.scenario))
+        return {**super().run(controllers), **facts}
 
 
 @dataclass(frozen=True)
@@ -93,7 +101,8 @@ def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]
                 continue
             with suppress(InvalidValueError):  # refused as unstable at this control frequency
                 controllers.make(choice, env)
-                found.append(VariedJob(**{**vars(job), "controller": choice}))
+                known = {entry.name: getattr(job, entry.name) for entry in fields(EvaluationJob)}
+                found.append(VariedJob(**{**known, "controller": choice}))
     return found
 
 
@@ -111,78 +120,43 @@ class ComparedFloorJob(FloorJob):
         return {**super().run(controllers), **policy_facts(self.floor, FLOOR)}
 
 
-@dataclass(frozen=True)
-class BudgetJob:
-    """A controller with the settings found by tuning at equal budget, at the same control frequency.
+def _search_history(tuned: TunedController, scenario: str) -> dict[str, Any]:
+    """The score in a scenario of the best candidate so far; wall times and violations were not recorded.
 
-    Attributes:
-        tuned: the tuned controller, with the settings and the history of its tuning.
-        scenario: name of the scenario.
-        episodes: number of episodes.
-        seed: random seed of the first episode.
+    Empty for a scenario that was not searched.
     """
-
-    tuned: TunedController
-    scenario: str
-    episodes: int
-    seed: int
-
-    @property
-    def environment_id(self) -> str:
-        """See `Job.environment_id`."""
-        return self.tuned.environment
-
-    @property
-    def name(self) -> str:
-        """See `Job.name`."""
-        return f"{self.environment_id}_{self.scenario}_{self.tuned.controller}_{BUDGET}"
-
-    def run(self, controllers: Controllers) -> Record:
-        """See `Job.run`."""
-        tuned = self.tuned
-        facts = {
-            **policy_facts(f"{tuned.controller} ({BUDGET})", BUDGET),
-            "settings": tuned.settings,
-            "history": _tuning_history(tuned),
-        }
-        revisions = {"controller": CONTROLLERS.find(tuned.controller).revision}
-        with closing(make_environment(self.environment_id, self.scenario, tuned.control_frequency)) as env:
-            return _evaluate(tuned.make(env), env, self, facts, revisions)
-
-
-def _tuning_history(tuned: TunedController) -> dict[str, Any]:
-    """How the best score grew in tuning; wall times and violations were not recorded."""
+    if scenario not in tuned.scenarios:
+        return {}
     unknown = [np.nan] * len(tuned.history)
     return {
-        "scenario": tuned.scenario,
+        "scenario": scenario,
         "control_frequency": tuned.control_frequency,
         "steps": [steps for steps, _ in tuned.history],
         "seconds": unknown,
-        "score": [score for _, score in tuned.history],
+        "score": list(tuned.history_by_scenario[scenario]),
         "violations": unknown,
     }
 
 
-def find_tuned_controllers(environment_id: str, controllers: Sequence[str]) -> list[TunedController]:
-    """Controllers of the package that were tuned at equal budget on an environment.
+def find_search(environment_id: str, controller: ControllerChoice) -> TunedController | None:
+    """The search of the package for the gains with which a controller is compared; None where there is none.
 
     Args:
         environment_id: id of the environment.
-        controllers: names of the controllers.
+        controller: controller with its gains.
 
     Raises:
-        InvalidValueError: a file that is damaged, or whose controller or environment differs from its name.
+        InvalidValueError: a file whose controller or environment differs from its name.
+        DataFileError: a file that is damaged.
     """
-    names = list_tuned_controllers(environment_id)
-    found = []
-    for name in (f"{environment_id}/{controller}" for controller in controllers):
-        if name in names:
-            tuned = load_tuned_controller(name)
-            held = f"{tuned.environment}/{tuned.controller}"
-            if held != name:
-                raise InvalidValueError(f"content of tuned controller {name!r}", held, name)
-            found.append(tuned)
-    return found
+    name = f"{environment_id}/{controller.name}"
+    if controller != ControllerChoice(controller.name) or name not in list_tuned_controllers(environment_id):
+        return None
+    tuned = load_tuned_controller(name)
+    held = f"{tuned.environment}/{tuned.controller}"
+    if held != name:
+        raise InvalidValueError(f"content of tuned controller {name!r}", held, name)
+    return tuned
 
 
 @dataclass(frozen=True)
@@ -233,7 +207,7 @@ class AgentJob:
             return _evaluate(policy, env, self, facts, {"agent": agent_revision(policy.card)})
 
 
-ComparisonJob = ControllerJob | VariedJob | ComparedFloorJob | BudgetJob | AgentJob
+ComparisonJob = ControllerJob | VariedJob | ComparedFloorJob | AgentJob
 
 
 def _check_digest(path: str, found: str, expected: str) -> None:

@@ -4,13 +4,12 @@ The best of several policies is chosen on the episodes on which it is then compa
 account for that choice, which favours the kind that has more policies to choose from.
 """
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, CONTROLLER, Condition, Entry
+from prp_gym.comparison.values import AGENT, CONTROLLER, Condition, Entry
 from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_tasks
 from prp_gym.evaluation.improvement import paired_probability_of_improvement
 from prp_gym.evaluation.profiles import Profile, performance_profile
@@ -21,11 +20,7 @@ from prp_gym.robot.arrays import Array
 UNDECIDED = "-"
 """Verdict where the interval of the paired difference contains 0."""
 
-BEST_CONTROLLER, BEST_BUDGET_CONTROLLER, BEST_AGENT = (
-    "best controller",
-    "best equal-budget controller",
-    "best agent",
-)
+BEST_CONTROLLER, BEST_AGENT = "best controller", "best agent"
 THRESHOLDS = np.linspace(0.0, 1.0, 101)
 """Scores at which performance profiles are taken."""
 
@@ -99,7 +94,7 @@ class PairwiseComparison:
     Attributes:
         environment_id: id of the environment.
         scenario: name of the scenario.
-        controller: name of the best controller of its kind.
+        controller: name of the best controller.
         agent: name of the best agent.
         controller_score: score of the controller with its interval [1].
         agent_score: score of the agent with its interval [1].
@@ -134,18 +129,15 @@ class PairwiseComparison:
 
 
 def compare_best(conditions: Iterable[Condition], seed: int) -> list[PairwiseComparison]:
-    """The best controller of each kind against the best agent, under every condition that has both.
-
-    A controller with its own gains was tuned without a limit of simulated time; one of equal budget with
-    as much simulated time as the training of an agent takes.
+    """The best controller against the best agent, under every condition that has both.
 
     Args:
         conditions: environments and scenarios with their policies.
         seed: random seed of the bootstrap.
     """
     pairwise_comparisons = []
-    for condition, kind in itertools.product(conditions, CLASSICAL):
-        controllers, agents = condition.of_kind(kind), condition.of_kind(AGENT)
+    for condition in conditions:
+        controllers, agents = condition.of_kind(CONTROLLER), condition.of_kind(AGENT)
         if controllers and agents:
             pairwise_comparisons.append(_compare(condition, best_of(controllers), best_of(agents), seed))
     return pairwise_comparisons
@@ -216,7 +208,6 @@ def _families(conditions: Sequence[Condition]) -> dict[str, dict[str, Array]]:
         agents = condition.of_kind(AGENT)
         members = {
             BEST_CONTROLLER: condition.of_kind(CONTROLLER),
-            BEST_BUDGET_CONTROLLER: condition.of_kind(BUDGET),
             BEST_AGENT: agents,
         }
         for mode in dict.fromkeys(entry.mode for entry in agents):

@@ -12,24 +12,22 @@ from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]
 
-CONTROLLER, BUDGET, AGENT, FLOOR, VARIED = "controller", "budget", "agent", "floor", "varied"
+CONTROLLER, AGENT, FLOOR, VARIED = "controller", "agent", "floor", "varied"
 KINDS = {
     CONTROLLER: "controller",
-    BUDGET: "controller, equal budget",
     AGENT: "agent",
     FLOOR: "floor",
     VARIED: "controller, other gains",
 }
 """Kinds of policies with their names in tables and plots.
 
-A controller has its tuned gains; one of equal budget was tuned with as much simulated time as the training of
-an agent takes; one with other gains takes part in the audit of the reward alone. Floors do not attempt the
+A controller has its tuned gains, which a search has found with as much simulated time as the training of an
+agent takes; one with other gains takes part in the audit of the reward alone. Floors do not attempt the
 task: zero torque, and holding the start pose. Every policy has to exceed them.
 """
 
 _RENAMED = {"zero": FLOOR}  # as results of version 0.1 call it
 
-CLASSICAL = (CONTROLLER, BUDGET)
 
 
 @dataclass(frozen=True, eq=False)

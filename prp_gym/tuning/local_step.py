@@ -15,7 +15,7 @@ _LONGER = 1.5  # after a success; four failures take it back
 
 def is_local(index: int) -> bool:
     """Whether the candidate with this index is a step from the best one before it; the first is not."""
-    return index % 3 > 0
+    return index % 6 > 0
 
 
 def step_length(trials: Sequence[Trial]) -> float:

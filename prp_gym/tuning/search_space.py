@@ -6,8 +6,8 @@ multiplied by the factor raised to these powers. So a bandwidth ω and a damping
 K_D ~ ζω, and with a target inertia M that keeps both, K_P ~ M ω², K_D ~ M ζω. A setting that is a vector
 names what it has components `of`; then there is one parameter for every group of components (each joint;
 translation and rotation; inertia, viscous and Coulomb friction, or each parameter of the link), or for those
-in `groups` alone. A search widens the range of a factor where its best candidate lies at the edge, unless that
-end is a physical limit or one of stability, whose reason stands in `limit_low` or `limit_high`.
+in `groups` alone. A search widens the range of a factor where its best candidate lies at the edge, unless
+that end is a physical limit or one of stability, whose reason stands in `limit_low` or `limit_high`.
 """
 
 import math

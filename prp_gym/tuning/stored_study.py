@@ -37,8 +37,8 @@ class _LockOfFolder:
 class StoredStudy:
     """Proposals for candidates, and their scores.
 
-    The first candidate is the centre of the space. Of the others, one in three comes from Optuna's sampler
-    (TPE), which looks everywhere and learns from all trials; two are steps from the best one so
+    The first candidate is the centre of the space. Of the others, one in six comes from Optuna's sampler
+    (TPE), which looks everywhere and learns from all trials; five are steps from the best one so
     far, since in many dimensions a small budget finds little that is better than gains already good but near
     them. The ranges of the factors grow where the best candidate lies at their edge; see `ranges_after`.
 

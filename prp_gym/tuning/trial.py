@@ -26,5 +26,5 @@ class Trial:
 
 
 def best_trial(trials: Sequence[Trial]) -> Trial | None:
-    """The first of the trials with the highest score that was run in all scenarios; None where there is none."""
+    """The first of the best trials that were run in all scenarios; None where there is none."""
     return max((trial for trial in trials if not trial.stopped), key=lambda trial: trial.score, default=None)

@@ -85,18 +85,16 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
         scores: scores that are kept.
     """
     objective = make_objective(_SELECTION_SEED, SELECTION_EPISODES)
+    final = make_objective(VALIDATION_SEED, FINAL_EPISODES)
+
+    def scored(stage: Objective, name: str, index: int) -> float:
+        return scores.find(f"{name} {index}", lambda: _score(stage, tuned.trials[index]))
+
     best = _best_indices(tuned.trials)
-    selection = [
-        scores.find(f"selection {index}", lambda index=index: _score(objective, tuned.trials[index]))
-        for index in best
-    ]
+    selection = [scored(objective, "selection", index) for index in best]
     order = sorted(range(len(best)), key=lambda place: -selection[place])[:FINALISTS]
     finalists = [best[place] for place in order]
-    final = make_objective(VALIDATION_SEED, FINAL_EPISODES)
-    results = [
-        scores.find(f"final {index}", lambda index=index: _score(final, tuned.trials[index]))
-        for index in finalists
-    ]
+    results = [scored(final, "final", index) for index in finalists]
     start = scores.find("final start", lambda: final.score(start_settings))
     found = max(results, default=-math.inf)
     kept = found <= start

@@ -27,7 +27,7 @@ RECORDS: dict[str, list[dict[str, Any]]] = {
     "agents alone": agents("ppo_torque", np.array([[0.4, 0.6], [0.5, 0.6]])),
     "no agents": [
         record("joint_pd", [0.5, 0.6]),
-        record("joint_pd (budget)", [0.6, 0.6], "budget", history=learning([0.3, 0.6])),
+        record("adaptive", [0.6, 0.6], history=learning([0.3, 0.6])),
         record("zero_torque", [0.1, 0.2], "floor"),
     ],
     "no agents in a task without an error": [

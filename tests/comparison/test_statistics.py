@@ -6,7 +6,6 @@ import pytest
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
-    BEST_BUDGET_CONTROLLER,
     BEST_CONTROLLER,
     aggregate_tasks,
     compare_best,
@@ -63,15 +62,13 @@ def test_training_seeds_that_disagree_leave_it_undecided() -> None:
     assert probability == pytest.approx(2 / 3)
 
 
-def test_best_controller_of_each_kind_is_compared_with_the_best_agent_where_there_is_one() -> None:
+def test_best_controller_is_compared_with_the_best_agent_where_there_is_one() -> None:
     controllers = [record("joint_pd", EPISODES), record("adaptive", EPISODES + 0.05)]
     assert compare_best(group_conditions(controllers), 0) == []
-    others = [record("joint_pd (budget)", EPISODES + 0.08, "budget"), *agents("a", EPISODES[None])]
-    others += agents("b", EPISODES[None] + 0.01)
+    others = [*agents("a", EPISODES[None]), *agents("b", EPISODES[None] + 0.01)]
     found = compare_best(group_conditions([*controllers, *others]), 0)
     assert [(pairwise.controller, pairwise.agent) for pairwise in found] == [
         ("adaptive", "b"),
-        ("joint_pd (budget)", "b"),
     ]
 
 
@@ -141,23 +138,16 @@ def test_families_are_the_best_of_each_kind_on_each_of_their_tasks() -> None:
         records[-1]["episodes"]["score"] = [[0.95 + shift]] * 20
         records += agents("a", EPISODES[None] + shift, environment_id=environment_id)
     records += agents("b", np.full((2, 20), 0.5), environment_id=first, mode="impedance")
-    records.append(record("x (budget)", EPISODES, "budget", second))
     found = {item.family: item for item in aggregate_tasks(group_conditions(records), 0)}
     assert list(found) == [
         BEST_CONTROLLER,
         BEST_AGENT,
         "agent, torque",
         "agent, impedance",
-        BEST_BUDGET_CONTROLLER,
     ]
-    assert (
-        found[BEST_CONTROLLER].tasks,
-        found["agent, impedance"].tasks,
-        found[BEST_BUDGET_CONTROLLER].tasks,
-    ) == (2, 1, 1)
+    assert (found[BEST_CONTROLLER].tasks, found["agent, impedance"].tasks) == (2, 1)
     assert found[BEST_CONTROLLER].score.value == pytest.approx((0.95 + 0.75) / 2)
     assert found["agent, impedance"].reference.value == pytest.approx(0.95)
-    assert found[BEST_BUDGET_CONTROLLER].reference.value == pytest.approx(0.75)
     profile = found[BEST_CONTROLLER].profile
     assert profile.value[profile.thresholds < 0.74].min() == 1.0
     assert profile.value[(profile.thresholds > 0.76) & (profile.thresholds < 0.94)] == pytest.approx(0.5)
