@@ -32,18 +32,18 @@ class JointInverseDynamicsSettings(Settings):
 
 
 class JointInverseDynamicsController(Baseline[JointInverseDynamicsSettings]):
-    """τ = B(q) y + n(q, q̇), y = q̈_d + K_D q̃˙ + K_P q̃ + K_I ∫q̃ dt, n = C q̇ + F_v q̇ + F_s sign(q̇) + g, q̃ = q_d - q.
+    """τ = B(q) y + n(q, q̇), y = q̈_d + K_D q̃˙ + K_P q̃ + K_I ∫q̃ dt, q̃ = q_d - q.
 
-    With the exact model and K_I = 0 every joint obeys q̃¨ + K_D q̃˙ + K_P q̃ = 0 on its own: natural frequency
-    √K_P, damping ratio K_D/(2√K_P), stable for any positive gains in continuous time. With integral action it
-    is stable for K_I < K_D K_P (Routh criterion on s³ + K_D s² + K_P s + K_I). Under an exact zero-order hold
-    with period dt the double integrator needs K_D dt < 2 and K_P dt² < 2 K_D dt; docs/theory.md gives the
-    limits with integral action and with a one-step actuation delay, which lowers them, as does the
-    compensation, held too. With an inaccurate model the error is bounded where the inertia estimate is near
-    enough to the true one; a constant one vanishes only with integral action. The integral is held while an
-    actuator is at its limit.
+    n = C q̇ + F_v q̇ + F_s sign(q̇) + g. With the exact model and K_I = 0 every joint obeys q̃¨ + K_D q̃˙
+    + K_P q̃ = 0 on its own: natural frequency √K_P, damping ratio K_D/(2√K_P), stable for any positive
+    gains in continuous time. With integral action it is stable for K_I < K_D K_P (Routh criterion on s³ +
+    K_D s² + K_P s + K_I). Under an exact zero-order hold with period dt the double integrator needs K_D
+    dt < 2 and K_P dt² < 2 K_D dt; docs/theory.md gives the limits with integral action and with a one-
+    step actuation delay, which lowers them, as does the compensation, held too. With an inaccurate model
+    the error is bounded where the inertia estimate is near enough to the true one; a constant one
+    vanishes only with integral action. The integral is held while an actuator is at its limit.
 
-    Source: [S] 8.5.2, 8.3.1 for the integral; [R] 7.
+    Source: [S] 8.5.2; [R] 7.
     """
 
     measured_fields = ("joint_position", "joint_velocity")

@@ -47,19 +47,19 @@ class OperationalInverseDynamicsSettings(Settings):
 class OperationalInverseDynamicsController(OperationalBaseline[OperationalInverseDynamicsSettings]):
     """τ = B(q) y + n(q, q̇) [+ J_Aᵀh_A], y = J_A⁺ (a - J̇_A q̇), a = ẍ_d + K_D x̃˙ + K_P x̃ + K_I ∫x̃ dt.
 
-    x̃ = x_d - x; n = C q̇ + F_v q̇ + F_s sign(q̇) + g; h_A = (h_e, 0) is the measured force by the tip on the
-    surface. With the exact model, K_I = 0, and without contact or with it compensated,
-    J_Aᵀ(x̃¨ + K_D x̃˙ + K_P x̃) = 0: six axes
-    with natural frequency √K_P and damping ratio K_D/(2√K_P), to which three joints come as near as they can;
-    exactly for equal gains on all axes and a small x̃ along an attainable reference. In continuous time the
-    loop is stable near such a reference for equal positive gains; an error component that the arm cannot move
-    (of a reference that it cannot attain) remains. Held over a period dt it needs, as in joint space, K_D dt
-    < 2 and K_P dt < 2 K_D on every axis; the compensation, held too, and a one-step actuation delay lower
-    these bounds. Integral action removes a constant error that the arm can move, and needs K_I < K_D K_P on
-    every axis (Routh criterion) in continuous time; docs/theory.md gives the sampled limits. It is held while
-    an actuator is at its limit; an error that the arm cannot move is integrated too, so that it is meant for
-    attainable references. Far from its goal the controller may drive the slide against its stop; with the
-    joint limits respected it continues with the other joints, otherwise it may remain there.
+    x̃ = x_d - x; n = C q̇ + F_v q̇ + F_s sign(q̇) + g; h_A = (h_e, 0) is the measured force by the tip on
+    the surface. With the exact model, K_I = 0, and without contact or with it compensated, J_Aᵀ(x̃¨ + K_D
+    x̃˙ + K_P x̃) = 0: six axes with natural frequency √K_P and damping ratio K_D/(2√K_P), to which three
+    joints come as near as they can; exactly for equal gains on all axes and a small x̃ along an
+    attainable reference. In continuous time the loop is stable near such a reference for equal positive
+    gains; an error component that the arm cannot move (of a reference that it cannot attain) remains.
+    Held over a period dt it needs, as in joint space, K_D dt < 2 and K_P dt < 2 K_D on every axis; the
+    compensation, held too, and a one-step actuation delay lower these bounds. Integral action removes a
+    constant error that the arm can move, and needs K_I < K_D K_P on every axis (Routh criterion) in
+    continuous time; docs/theory.md gives the sampled limits. It is held while an actuator is at its
+    limit; an error that the arm cannot move is integrated too, so that it is meant for attainable
+    references. Far from its goal the controller may drive the slide against its stop; with the joint
+    limits respected it continues with the other joints, otherwise it may remain there.
 
     Source: [S] 8.6.2; [R] 10.
     """

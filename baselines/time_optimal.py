@@ -94,7 +94,7 @@ class TimeOptimalController(Baseline[TimeOptimalSettings]):
         return factor * effort + n, (np.where(free, integral + change, integral),)
 
     def _acceleration_limit(self, inertia: Array) -> Array:
-        """a (..., joints) from the inertia matrix (..., joints, joints)."""
+        """A (..., joints) from the inertia matrix (..., joints, joints)."""
         own: Array = np.einsum("...ii->...i", inertia)
         return self.settings.acceleration_share * self.interface.torque_limit / own
 
@@ -111,7 +111,7 @@ class TimeOptimalController(Baseline[TimeOptimalSettings]):
         return np.copysign(speed, error), np.where(capped, 0.0, slope)
 
     def _feasible_factor(self, effort: Array, bias: Array) -> Array:
-        """s (..., 1): the largest factor up to 1 with |s B u + n| within the actuator limits."""
+        """S (..., 1): the largest factor up to 1 with |s B u + n| within the actuator limits."""
         limit = self.interface.torque_limit
         headroom = np.maximum(limit - np.copysign(bias, effort * bias), LEAST_HEADROOM * limit)
         use = np.abs(effort) / headroom

@@ -26,7 +26,9 @@ class ErrorIntegral(ABC):
         """The state at the start of an episode, for errors of a shape (..., axes)."""
 
     @abstractmethod
-    def step(self, acceleration: Array, error: Array, state: ControllerState) -> tuple[Array, ControllerState]:
+    def step(
+        self, acceleration: Array, error: Array, state: ControllerState
+    ) -> tuple[Array, ControllerState]:
         """One control period.
 
         Args:
@@ -46,7 +48,9 @@ class NoIntegral(ErrorIntegral):
         """No state."""
         return ()
 
-    def step(self, acceleration: Array, error: Array, state: ControllerState) -> tuple[Array, ControllerState]:
+    def step(
+        self, acceleration: Array, error: Array, state: ControllerState
+    ) -> tuple[Array, ControllerState]:
         """The acceleration as it is."""
         return acceleration, state
 
@@ -66,7 +70,9 @@ class RunningIntegral(ErrorIntegral):
         """K_I ∫e dt = 0."""
         return (np.zeros(error_shape),)
 
-    def step(self, acceleration: Array, error: Array, state: ControllerState) -> tuple[Array, ControllerState]:
+    def step(
+        self, acceleration: Array, error: Array, state: ControllerState
+    ) -> tuple[Array, ControllerState]:
         """See `ErrorIntegral.step`."""
         (integral,) = state
         return acceleration + integral, (integral + self._gain_per_period * error,)
