@@ -27,6 +27,7 @@ from prp_gym.baselines.operational_inverse_dynamics import (
 )
 from prp_gym.baselines.operational_pd import OperationalPDController, OperationalPDSettings
 from prp_gym.baselines.parallel_force_position import ParallelForcePositionController
+from prp_gym.baselines.time_optimal import TimeOptimalController, TimeOptimalSettings
 
 BASELINES = CONTROLLERS
 """The declared controllers by name; the same as `CONTROLLERS`."""
@@ -63,6 +64,8 @@ __all__ = [
     "ParallelForcePositionController",
     "Settings",
     "StaticBaseline",
+    "TimeOptimalController",
+    "TimeOptimalSettings",
     "Vector",
     "controller",
     "gain_sets",

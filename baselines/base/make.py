@@ -79,8 +79,8 @@ def _require_frequency(
     spec: ControllerSpec, chosen: GainSet, frequency: float, others: str, overrides: Mapping[str, Any]
 ) -> None:
     """Refuse gains that are unstable at a control frequency [Hz], unless all of them are overridden."""
-    frequency = round(frequency, 6)
-    if frequency < chosen.minimum_frequency and not set(spec.settings_class.vectors) <= set(overrides):
+    frequency, gains = round(frequency, 6), set(spec.settings_class.vectors) & set(chosen.values)
+    if frequency < chosen.minimum_frequency and not gains <= set(overrides):
         raise InvalidValueError(
             "control_frequency",
             frequency,
