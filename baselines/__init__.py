@@ -14,6 +14,7 @@ from prp_gym.baselines.base.policy import Baseline, ControlInterface, StaticBase
 from prp_gym.baselines.base.settings import Settings, Vector
 from prp_gym.baselines.base.spec import CONTROLLERS, ControllerData, ControllerSpec, register_controller
 from prp_gym.baselines.compliance import ComplianceController, ComplianceSettings
+from prp_gym.baselines.force_feedforward import ForceFeedforwardController, ForceFeedforwardSettings
 from prp_gym.baselines.force_inner_position import ForceInnerPositionController, ForceInnerPositionSettings
 from prp_gym.baselines.impedance import ImpedanceController, ImpedanceSettings
 from prp_gym.baselines.joint_inverse_dynamics import (
@@ -45,6 +46,8 @@ __all__ = [
     "ControlInterface",
     "ControllerData",
     "ControllerSpec",
+    "ForceFeedforwardController",
+    "ForceFeedforwardSettings",
     "ForceInnerPositionController",
     "ForceInnerPositionSettings",
     "ForceLoopSettings",

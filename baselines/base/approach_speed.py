@@ -10,7 +10,13 @@ from prp_gym.robot.arrays import Array
 
 
 class ApproachSpeed(ABC):
-    """The largest speed of a force controller's position target."""
+    """The largest speed of a force controller's position target.
+
+    Attributes:
+        least: least speed with which the target returns to a surface [m/s].
+    """
+
+    least: float
 
     @abstractmethod
     def before_contact(self, desired: Array, threshold: Array) -> Array:
@@ -37,9 +43,11 @@ class FixedSpeed(ApproachSpeed):
 
     Attributes:
         speed: largest speed v [m/s].
+        least: least speed with which the target returns to a surface [m/s].
     """
 
     speed: float
+    least: float
 
     def before_contact(self, desired: Array, threshold: Array) -> Array:
         """See `ApproachSpeed.before_contact`."""
@@ -62,23 +70,25 @@ class SpeedForForce(ApproachSpeed):
     Attributes:
         greatest_stiffness: greatest stiffness K_max of a surface, above 0; infinite if unknown [N/m].
         delay: T, the time in which the approach goes on after the force has reached the threshold [s].
-        bounds: least and largest speed v_min, v_max [m/s].
+        least: least speed v_min [m/s].
+        largest: largest speed v_max [m/s].
         factor: η [1].
     """
 
     greatest_stiffness: float
     delay: float
-    bounds: tuple[float, float]
+    least: float
+    largest: float
     factor: float = 1.0
 
     def before_contact(self, desired: Array, threshold: Array) -> Array:
         """See `ApproachSpeed.before_contact`."""
         speed = self.factor * (desired - threshold) / (self.greatest_stiffness * self.delay)
-        return np.clip(speed, *self.bounds)
+        return np.clip(speed, self.least, self.largest)
 
     def in_contact(self, desired: Array, stiffness: Array) -> Array:
         """See `ApproachSpeed.in_contact`."""
-        return np.clip(desired / (stiffness * self.delay), *self.bounds)
+        return np.clip(desired / (stiffness * self.delay), self.least, self.largest)
 
 
 def braking_time(period: float, stiffness: float, inertia: float) -> float:

@@ -14,6 +14,7 @@ from prp_gym.baselines.base.force_integral import (
     ForceIntegral,
     RateScaling,
     ScheduledGain,
+    TipMotion,
 )
 from prp_gym.baselines.base.force_sensing import ForceSensingSettings
 from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
@@ -105,11 +106,12 @@ class ForceLoopSettings(ForceSensingSettings):
     def _speed(self, period: float, greatest_stiffness: float) -> ApproachSpeed:
         """The speed of the target; the inner loop's slowest axis of translation limits it."""
         if self.approach == "fixed":
-            return FixedSpeed(self.approach_speed)
-        least, largest = self.least_approach_speed, self.approach_speed
+            return FixedSpeed(self.approach_speed, self.approach_speed)
+        largest = self.approach_speed
+        least = min(self.least_approach_speed, largest)
         gain, inertia = self.proportional_gain[:3], self.inertia[:3]
         delay = max(braking_time(period, *axis) for axis in zip(gain, inertia, strict=True))
-        return SpeedForForce(greatest_stiffness, delay, (min(least, largest), largest), self.approach_factor)
+        return SpeedForForce(greatest_stiffness, delay, least, largest, self.approach_factor)
 
 
 SettingsT = TypeVar("SettingsT", bound=ForceLoopSettings)
@@ -164,9 +166,8 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         M_d, K_D, K_P = self.settings.inertia, self.settings.derivative_gain, self.settings.proportional_gain
         braking = K_D * (base.velocity - measured.velocity)
         lag = np.divide(-braking, K_P, out=np.zeros(braking.shape), where=K_P > 0.0)
-        x_F, memory = self._integral.step(
-            state[:count], error, measured.pose[..., :3], lag[..., :3], _rate_scaling(observed)
-        )
+        tip = TipMotion(measured.pose[..., :3], measured.velocity[..., :3], lag[..., :3])
+        x_F, memory = self._integral.step(state[:count], error, tip, _rate_scaling(observed))
         position_error = base.pose - measured.pose
         position_error[..., :3] += x_F
         effort = braking + K_P * position_error

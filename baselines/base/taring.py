@@ -99,8 +99,9 @@ class TaringUntilContact(Taring):
         first = (count == 0.0) & ~touched & (norm(reading)[..., None] <= self.largest_bias)
         force = np.where(first, 0.0, reading - after[..., _TARE])
         size = norm(force)[..., None]
-        excess = np.maximum(0.0, after[..., _EXCESS] + size - self.allowance * self.noise)
-        seen = ~touched & ((excess > self.decision * self.noise) | ((count == 0.0) & ~first))
+        spread = self.noise * np.sqrt(1.0 + 1.0 / np.maximum(count, 1.0))
+        excess = np.maximum(0.0, after[..., _EXCESS] + size - self.allowance * spread)
+        seen = ~touched & ((excess > self.decision * spread) | ((count == 0.0) & ~first))
         touched |= seen
         self._learn(after, reading, excess, touched)
         after[..., _TOUCH] = touched
