@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from prp_gym.checks import as_numbers, check_finite, choice
 from prp_gym.envs.action_mode import TORQUE, ActionField, ModeSetup, make_action_mode
-from prp_gym.envs.config import RENDER_MODES, EnvConfig
+from prp_gym.envs.config import ERRORS, FIELDS, RENDER_MODES, EnvConfig
+from prp_gym.envs.core.error_loop import ErrorLoop, ErrorModeLoop
 from prp_gym.envs.core.info import InfoField
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.mode_loop import ModeLoop
@@ -45,6 +46,13 @@ _VIEW: dict[str, Any] = {
 }  # keywords of rendering, which do not affect states
 
 
+_LOOPS: dict[str, tuple[type[EpisodeLoop], type[ModeLoop]]] = {
+    FIELDS: (EpisodeLoop, ModeLoop),
+    ERRORS: (ErrorLoop, ErrorModeLoop),
+}
+"""The loop without and the loop with an inner controller, by the kind of observation."""
+
+
 def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_threads: int) -> EpisodeLoop:
     """Make the loop of N environments of a task, in the action mode of the keywords.
 
@@ -55,15 +63,17 @@ def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_thread
         num_threads: Number of threads of the physics; 0 takes all cores.
 
     Raises:
-        PRPError: a mode that does not exist, or that reads observation fields that the task does not have.
+        PRPError: a mode that does not exist, or that reads observation fields that the task does not have;
+            a task without the fields from which errors are computed.
     """
     inner = config.inner
     task = make_task(inner)
+    torque_loop, mode_loop = _LOOPS[config.observation]
     if config.action_mode == TORQUE:
-        return EpisodeLoop(task, inner, num_envs, num_threads)
+        return torque_loop(task, inner, num_envs, num_threads)
     limit = config.limits(task.model.parameters.torque_limit)
     mode = make_action_mode(config.action_mode, ModeSetup(task, limit, 1.0 / inner.control_frequency))
-    return ModeLoop(task, inner, mode, config.periods, num_envs, num_threads)
+    return mode_loop(task, inner, mode, config.periods, num_envs, num_threads)
 
 
 class LoopEnvironment:
@@ -94,7 +104,7 @@ class LoopEnvironment:
     @property
     def observation_layout(self) -> ObservationLayout:
         """The layout of an observation, with the position of each field."""
-        return self._loop.task.layout
+        return self._loop.observation_layout
 
     @property
     def physics(self) -> Simulation:
