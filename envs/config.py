@@ -74,7 +74,8 @@ class EnvConfig:
     observation: str = field(
         default=FIELDS,
         metadata=describe(
-            "", "what is observed: `fields`, quantities in their units, or `errors`, parts of order 1 for learning"
+            "",
+            "what is observed: `fields`, in their units, or `errors`, of order 1, for learning",
         ),
     )
     torque_limit: TorqueLimit = field(
