@@ -13,7 +13,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants fuzz kills clients lint type bench peers docs frames \
-        sweep train compare clean
+        sweep train compare learn-check clean
 
 install: $(VENV)/.core
 
@@ -54,6 +54,10 @@ peers: $(VENV)/.dev
 
 clients: $(VENV)/.dev
 	$(BIN)/python -m bench.clients
+
+learn-check: $(VENV)/.dev
+	$(BIN)/python -m bench.learn_check $(LEARN)
+	$(BIN)/python -m docs.generate
 
 train: $(VENV)/.agents
 	$(BIN)/prp-gym train --shipped
