@@ -20,6 +20,8 @@ def learning_page() -> str:
 def _section() -> str:
     """The table of all results, the bad ones too, and the goals."""
     runs = read_results()["runs"]
+    if not runs:
+        return "No results are stored.\n"
     found: dict[str, dict[str, Any]] = {}
     for run in runs:
         found.setdefault(run["task"], {})[run["algorithm"]] = run
