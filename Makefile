@@ -13,7 +13,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants fuzz kills clients lint type bench peers docs frames \
-        tune train compare clean
+        tune train compare audit learn-check clean
 
 install: $(VENV)/.core
 
@@ -55,12 +55,19 @@ peers: $(VENV)/.dev
 clients: $(VENV)/.dev
 	$(BIN)/python -m bench.clients
 
+learn-check: $(VENV)/.dev
+	$(BIN)/python -m bench.learn_check $(LEARN)
+	$(BIN)/python -m docs.generate
+
 train: $(VENV)/.agents
 	$(BIN)/prp-gym train --shipped
 	$(BIN)/prp-gym ship
 
 compare: $(VENV)/.core
 	$(BIN)/prp-gym compare
+
+audit: $(VENV)/.core
+	$(BIN)/prp-gym audit
 
 tune: $(VENV)/.core
 	$(PIP) --editable '.[tune]'

@@ -14,7 +14,9 @@ import typer
 
 from docs.action_modes_page import action_modes_page, modes_of
 from docs.clients_page import clients_page
+from docs.learning_page import learning_page
 from docs.metrics_page import metrics_page
+from docs.presets_section import presets_section
 from docs.tables import NOTE, numbers, table
 from prp_gym.baselines import CONTROLLERS, list_baselines
 from prp_gym.cli.main import app
@@ -54,6 +56,7 @@ def environments_page() -> str:
         " [N·m, N, N·m]. Values beyond ±1 are clipped, and `info` counts the clipped torques. NaN, infinity"
         " and another shape raise an error.\n"
     )
+    parts += ["\n## Learning presets\n", presets_section()]
     for entry in TASKS.values():
         parts.append(_data_sheet(gymnasium.make(entry.id).unwrapped, entry.id))
     return "\n".join(parts)
@@ -271,6 +274,7 @@ PAGES = {
     "metrics.md": metrics_page,
     "command_line.md": command_line_page,
     "clients.md": clients_page,
+    "learning.md": learning_page,
 }
 
 

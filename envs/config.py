@@ -24,6 +24,10 @@ RENDER_MODES = ("human", "rgb_array", "depth_array")
 UNLIMITED_TORQUE = 1e6
 """What `torque_limit=None` stands for [N m, N, N m]: more than any controller asks for, yet finite."""
 
+FIELDS, ERRORS = "fields", "errors"
+OBSERVATIONS = (FIELDS, ERRORS)
+"""What an environment observes: the fields of its task, or errors and states of order 1."""
+
 OptionsT = TypeVar("OptionsT")
 
 
@@ -42,7 +46,8 @@ class EnvConfig:
     """The keywords that every environment takes; see each field's metadata for unit and meaning.
 
     Raises:
-        UnknownNameError: a scenario, action mode, render mode or camera that does not exist.
+        UnknownNameError: a scenario, action mode, kind of observation, render mode or camera that does not
+            exist.
         InvalidValueError: a control frequency that does not divide the substep rate, a duration that is
             not a whole number of control periods, a torque limit or frame size that is not positive.
     """
@@ -66,6 +71,13 @@ class EnvConfig:
             "", "what an action means; `torque`: joint torques normalised by the actuator limits"
         ),
     )
+    observation: str = field(
+        default=FIELDS,
+        metadata=describe(
+            "",
+            "what is observed: `fields`, in their units, or `errors`, of order 1, for learning",
+        ),
+    )
     torque_limit: TorqueLimit = field(
         default="scenario",
         metadata=describe(
@@ -84,6 +96,7 @@ class EnvConfig:
     def __post_init__(self) -> None:
         load_scenario(self.scenario)
         check_action_mode(self.action_mode)
+        choice("observation", self.observation, OBSERVATIONS)
         if self.render_mode is not None:
             choice("render_mode", self.render_mode, RENDER_MODES)
         self._check_numbers()

@@ -47,7 +47,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         self.render_mode = self.config.render_mode
         self._loop = self.make_loop()
         self._info_names = tuple(field.name for field in self._loop.info_fields)
-        self.observation_space = self._loop.task.layout.space()
+        self.observation_space = self.observation_layout.space()
         self.action_space = self.make_action_space()
         self._action_shape = self.action_space.shape
 

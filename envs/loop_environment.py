@@ -1,7 +1,7 @@
 """The base of the single and the vector environment: keywords, task, loop, frames, saved states."""
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -10,11 +10,11 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from prp_gym.checks import as_numbers, check_finite, choice
-from prp_gym.envs.action_mode import TORQUE, ActionField, ModeSetup, make_action_mode
+from prp_gym.envs.action_mode import ActionField
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.core.info import InfoField
 from prp_gym.envs.core.loop import EpisodeLoop
-from prp_gym.envs.core.mode_loop import ModeLoop
+from prp_gym.envs.core.make_loop import make_loop
 from prp_gym.envs.episode_spec import EpisodeSpec
 from prp_gym.envs.saved_state import (
     EnvState,
@@ -35,35 +35,12 @@ from prp_gym.tasks.setup import TaskNumbers, TaskSetup
 from prp_gym.tasks.spec import TaskSpec
 from prp_gym.tasks.task import Task
 
-TaskMaker = Callable[[EnvConfig], Task]
-
 _VIEW: dict[str, Any] = {
     "render_mode": None,
     "width": 1,
     "height": 1,
     "camera": "top",
 }  # keywords of rendering, which do not affect states
-
-
-def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_threads: int) -> EpisodeLoop:
-    """Make the loop of N environments of a task, in the action mode of the keywords.
-
-    Args:
-        make_task: Makes the task at the control frequency of given keywords.
-        config: Common keywords.
-        num_envs: Number of environments N.
-        num_threads: Number of threads of the physics; 0 takes all cores.
-
-    Raises:
-        PRPError: a mode that does not exist, or that reads observation fields that the task does not have.
-    """
-    inner = config.inner
-    task = make_task(inner)
-    if config.action_mode == TORQUE:
-        return EpisodeLoop(task, inner, num_envs, num_threads)
-    limit = config.limits(task.model.parameters.torque_limit)
-    mode = make_action_mode(config.action_mode, ModeSetup(task, limit, 1.0 / inner.control_frequency))
-    return ModeLoop(task, inner, mode, config.periods, num_envs, num_threads)
 
 
 class LoopEnvironment:
@@ -94,7 +71,7 @@ class LoopEnvironment:
     @property
     def observation_layout(self) -> ObservationLayout:
         """The layout of an observation, with the position of each field."""
-        return self._loop.task.layout
+        return self._loop.observation_layout
 
     @property
     def physics(self) -> Simulation:

@@ -93,7 +93,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
             "autoreset_mode": self.autoreset_mode,
         }
         self.render_mode = self.config.render_mode
-        self.single_observation_space = self._loop.task.layout.space()
+        self.single_observation_space = self.observation_layout.space()
         self.single_action_space = self.make_action_space()
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)

@@ -199,6 +199,19 @@ class MissingFieldError(PRPError, ValueError):
         )
 
 
+class ErrorObservationError(PRPError, ValueError):
+    """A controller on an environment that observes errors of order 1 in place of fields with units."""
+
+    def __init__(self, environment_id: str, control_frequency: float) -> None:
+        self.environment_id = environment_id
+        self.control_frequency = control_frequency
+        super().__init__(
+            "observation of the environment is 'errors', as the learning presets have it; a controller reads"
+            f" 'fields', quantities in their units. Make the task itself, gymnasium.make({environment_id!r},"
+            f" control_frequency={control_frequency:g}): episodes, score and metrics are the same."
+        )
+
+
 class EpisodeError(PRPError, RuntimeError):
     """A call that the current state of the episode does not permit."""
 

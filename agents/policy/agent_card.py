@@ -10,6 +10,7 @@ from prp_gym.agents.policy.network import ACTIVATIONS, HEADS, NetworkShape
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.tasks.fields import Field, ObservationLayout
+from prp_gym.tasks.presets import find_preset
 
 FORMAT = 1
 """Format of the card; a change that older readers would misread raises this number."""
@@ -74,6 +75,16 @@ class Interface:
         if self.environment_revision < 1:
             allowed = "a whole number, at least 1"
             raise InvalidValueError("environment_revision", self.environment_revision, allowed)
+
+    @property
+    def task_id(self) -> str:
+        """Id of the task; that of the environment may be a learning preset."""
+        return find_preset(self.environment_id).task.id
+
+    @property
+    def all_keywords(self) -> Mapping[str, Keyword]:
+        """Keywords of the environment, with those that its id sets."""
+        return find_preset(self.environment_id).complete(self.keywords)
 
     def make_layout(self) -> ObservationLayout:
         """Layout of the observation, with names and sizes of the fields only."""
@@ -188,8 +199,13 @@ class AgentCard:
 
     @property
     def environment_id(self) -> str:
-        """Id of the environment in which the agent was trained."""
+        """Id of the environment in which the agent was trained, of a task or of its learning preset."""
         return self.interface.environment_id
+
+    @property
+    def task_id(self) -> str:
+        """Id of the task on which the agent was trained."""
+        return self.interface.task_id
 
     @property
     def action_size(self) -> int:
@@ -199,12 +215,12 @@ class AgentCard:
     @property
     def action_mode(self) -> str:
         """Name of the action mode, which says what the agent's actions mean."""
-        return str(self.interface.keywords.get("action_mode", EnvConfig.action_mode))
+        return str(self.interface.all_keywords.get("action_mode", EnvConfig.action_mode))
 
     @property
     def control_frequency(self) -> float:
         """Control frequency of the environment in which the agent was trained [Hz]."""
-        frequency = self.interface.keywords.get("control_frequency", EnvConfig.control_frequency)
+        frequency = self.interface.all_keywords.get("control_frequency", EnvConfig.control_frequency)
         if not isinstance(frequency, int | float):
             raise InvalidValueError("control_frequency of the agent", frequency, "a number", "Hz")
         return float(frequency)

@@ -34,9 +34,9 @@ def check_same(card: AgentCard, env: Any) -> None:
 
 def _facts_on(card: AgentCard) -> dict[str, Any]:
     """The interface in training; keywords that the card does not state had their defaults."""
-    keywords, size = card.interface.keywords, sum(part.size for part in card.interface.observation)
+    keywords, size = card.interface.all_keywords, sum(part.size for part in card.interface.observation)
     return {
-        "id": card.environment_id,
+        "id": card.task_id,
         "observation fields": tuple((part.name, part.size) for part in card.interface.observation),
         "action_mode": keywords.get("action_mode", EnvConfig.action_mode),
         "control_frequency": keywords.get("control_frequency", EnvConfig.control_frequency),

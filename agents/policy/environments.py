@@ -6,7 +6,7 @@ from typing import Any
 
 from prp_gym.envs.config import EnvConfig, parse_keywords
 from prp_gym.errors import InvalidValueError, PRPError, UnknownNameError
-from prp_gym.tasks.spec import TASKS
+from prp_gym.tasks.presets import find_preset
 
 _LONGEST_LIST = 12
 _LONGEST_TEXT = 200
@@ -18,12 +18,12 @@ def declared_keywords(environment_id: str) -> frozenset[str]:
     """Names of the keywords that an environment declares: the common ones and those of its task.
 
     Args:
-        environment_id: id of a registered environment of this suite or of a plugin.
+        environment_id: id of a registered environment of this suite or of a plugin, or of a learning preset.
 
     Raises:
         UnknownNameError: an id that is not registered.
     """
-    options = TASKS.find(environment_id).entry.options
+    options = find_preset(environment_id).task.entry.options
     return frozenset(entry.name for kind in (EnvConfig, options) for entry in fields(kind))
 
 
@@ -34,7 +34,8 @@ def check_environment(environment_id: str, keywords: Mapping[str, object]) -> No
     file cannot open a window either: `render_mode="human"` is for callers alone.
 
     Args:
-        environment_id: id that the file names; the form `module:id` is refused.
+        environment_id: id that the file names, of a task or of its learning preset; the form `module:id` is
+            refused.
         keywords: keywords of the environment by their names.
 
     Raises:
@@ -43,7 +44,7 @@ def check_environment(environment_id: str, keywords: Mapping[str, object]) -> No
         InvalidValueError: a value of another type, or out of bounds.
         ShapeError: a list of another length.
     """
-    valid = declared_keywords(environment_id)
+    valid, preset = declared_keywords(environment_id), find_preset(environment_id)
     for name, value in keywords.items():
         if name not in valid:
             raise UnknownNameError(f"keyword of environment {environment_id!r}", name, valid)
@@ -52,7 +53,7 @@ def check_environment(environment_id: str, keywords: Mapping[str, object]) -> No
     if keywords.get("render_mode") == "human":
         raise InvalidValueError("render_mode in a file", "human", "rgb_array, depth_array or null")
     try:
-        config, _ = parse_keywords(keywords, TASKS.find(environment_id).entry.options)
+        config, _ = parse_keywords(preset.complete(keywords), preset.task.entry.options)
     except PRPError:
         raise
     except Exception as error:  # options of a plugin may raise any exception about a value
@@ -79,4 +80,4 @@ def environment_revision(environment_id: str) -> int:
     Raises:
         UnknownNameError: an id that is not registered.
     """
-    return TASKS.find(environment_id).revision
+    return find_preset(environment_id).task.revision

@@ -15,6 +15,7 @@ from prp_gym.errors import DataTextError, InvalidValueError, UnknownNameError
 from prp_gym.files.file_reader import FileReader
 from prp_gym.files.limits import DEPTH
 from prp_gym.files.yaml_text import parse_yaml
+from prp_gym.tasks.presets import find_preset, learning_id
 from prp_gym.tasks.registration import list_envs
 
 _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normalize", "env_kwargs"))
@@ -97,7 +98,8 @@ def load_recipe(
     """The recipe for an environment, merged from four entries of the recipe file.
 
     They are `default`, its part for the action mode, the entry of the environment id, and its part for the
-    action mode; later ones replace earlier ones, key by key.
+    action mode; later ones replace earlier ones, key by key. What the id of a learning preset sets replaces
+    the keywords of `default`.
 
     Args:
         algorithm: name of a declared algorithm.
@@ -125,7 +127,8 @@ def load_recipe(
     for entry in (_DEFAULT, environment_id):
         own = dict(entries.get(entry, {}))
         of_mode = own.pop(_MODES, {}).get(mode, {})
-        merged = _merge(_merge(merged, own), of_mode)
+        set_by_id = find_preset(environment_id).keywords if entry == _DEFAULT else {}
+        merged = _merge(_merge(_merge(merged, own), of_mode), {"env_kwargs": set_by_id})
     for text in overrides:
         merged = _merge(merged, _parse_override(text))
     keywords = _mapping("env_kwargs", merged.get("env_kwargs", {}))
@@ -182,9 +185,11 @@ def _read(spec: AlgorithmSpec, config: Path | None) -> dict[str, Any]:
     where = config or spec.recipes.name
     content = FileReader().read_yaml(config or spec.recipes)
     entries = _mapping(f"content of {where}", _with_numbers(content))
+    tasks = list_envs()
+    valid = (_DEFAULT, *tasks, *map(learning_id, tasks))
     for name, entry in entries.items():
-        if name not in (_DEFAULT, *list_envs()):
-            raise UnknownNameError(f"environment in {where}", name, (_DEFAULT, *list_envs()))
+        if name not in valid:
+            raise UnknownNameError(f"environment in {where}", name, valid)
         for mode, part in _mapping(_MODES, _mapping(f"{name} in {where}", entry).get(_MODES, {})).items():
             _mapping(f"{_MODES}.{mode} of {name} in {where}", part)
     return entries

@@ -64,3 +64,19 @@ def read_groups(manifest: Path | None = None) -> tuple[ShippedGroup, ...]:
         if kinds.count(kind) > 1:
             raise InvalidValueError(f"group in {path.name}", kind, "one that is listed once")
     return groups
+
+
+def default_action_mode(environment_id: str, config: Path | None = None) -> str | None:
+    """The action mode in which agents are trained unless another one is chosen.
+
+    It is the mode of the first group of shipped agents of the environment. None stands for the mode that the
+    recipe names: where no agents are shipped, or the recipes are a user's.
+
+    Args:
+        environment_id: id of the environment.
+        config: path of a user's recipe file; None for the recipes of the package.
+    """
+    if config is not None:
+        return None
+    modes = (group.action_mode for group in read_groups() if group.environment == environment_id)
+    return next(modes, None)

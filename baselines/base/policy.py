@@ -18,7 +18,7 @@ from prp_gym.baselines.base.references import (
     References,
 )
 from prp_gym.baselines.base.settings import Settings
-from prp_gym.errors import InvalidValueError, MissingFieldError
+from prp_gym.errors import ErrorObservationError, InvalidValueError, MissingFieldError
 from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
@@ -60,10 +60,12 @@ class ControlInterface:
 
         Raises:
             InvalidValueError: another environment, or one whose actions are not torques.
+            ErrorObservationError: one that observes errors in place of quantities in their units.
         """
         inner = getattr(env, "unwrapped", env)
         try:
             task, mode = _attribute(inner, "task"), _attribute(inner, "action_mode")
+            _require_fields(task, _attribute(inner, "observation_layout"), inner)
             if mode != "torque":
                 raise InvalidValueError(
                     "action_mode", mode, "'torque': the actions of a controller are torques"
@@ -106,6 +108,16 @@ class ControlInterface:
                 f"model of {self.environment_id}", type(parameters).__name__, f"a {expected}"
             )
         return type(self.model)(parameters)
+
+
+def _require_fields(task: Any, layout: ObservationLayout, env: Any) -> None:
+    """Refuse an environment that observes something else than the fields of its task.
+
+    Raises:
+        ErrorObservationError: such an environment.
+    """
+    if layout != task.layout:
+        raise ErrorObservationError(task.environment_id, _attribute(env, "control_frequency"))
 
 
 def _attribute(env: Any, name: str) -> Any:

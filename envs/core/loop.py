@@ -51,6 +51,7 @@ class EpisodeLoop:
         commanded_torque: Torques commanded in the last step, within the limits (N, joints) [N m, N, N m].
         ground_truth: Ground truth (N, task.ground_truth_layout.size); the sensors read observations from it.
         info_fields: Columns of a step's `info`.
+        observation_layout: Layout of the observations.
         action_fields: Parts of an action.
         state_names: Attributes that make up the state of the loop.
     """
@@ -86,6 +87,7 @@ class EpisodeLoop:
     def _lay_out(self) -> None:
         """Find the columns of the ground truth that are measured, given by the reference, and observed."""
         layout, measured = self.task.layout, self.physics.measurement_size
+        self.observation_layout = layout
         self._space = layout.space()
         self._shape = self.ground_truth.shape
         self._measured = np.s_[:, :measured]

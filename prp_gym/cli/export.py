@@ -15,15 +15,16 @@ from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import AgentFacts, export_agent, identity_normalizer
 from prp_gym.cli.options import Plugins
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.envs.config import EnvConfig
+from prp_gym.errors import InvalidValueError
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.tasks.fields import ObservationLayout
-from prp_gym.tasks.registration import list_envs
+from prp_gym.tasks.presets import find_preset
 
 
 def export_command(
     path: Annotated[Path, typer.Argument(help="Model of Stable-Baselines3, a zip.")],
-    env: Annotated[str, typer.Option(help="Environment id on which it was trained.")],
+    env: Annotated[str, typer.Option(help="Id of the task or learning preset on which it was trained.")],
     output: Annotated[Path, typer.Option(help="Path of the agent's files, without suffix.")],
     algorithm: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
     normalizer: Annotated[
@@ -31,7 +32,9 @@ def export_command(
     ] = None,
     scenario: Annotated[str, typer.Option(help="Scenario of training.")] = "randomized",
     action_mode: Annotated[str, typer.Option(help="Action mode of training.")] = "torque",
-    control_frequency: Annotated[float, typer.Option(help="Control frequency of training [Hz].")] = 500.0,
+    control_frequency: Annotated[
+        float | None, typer.Option(help="Control frequency of training [Hz]. Default: that of the id.")
+    ] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of training. Default: the model's.")] = None,
     trust: Annotated[
         bool, typer.Option("--trust", help="Open the files, and run whatever code is in them.")
@@ -46,13 +49,10 @@ def export_command(
     if not trust:
         allowed = "only with --trust, as such files run code of their author's when they are opened"
         raise InvalidValueError("file to export", str(path), allowed)
-    if env not in list_envs():
-        raise UnknownNameError("environment", env, list_envs())
-    keywords: dict[str, Any] = {
-        "scenario": scenario,
-        "action_mode": action_mode,
-        "control_frequency": control_frequency,
-    }
+    set_by_id = {"control_frequency": EnvConfig.control_frequency, **find_preset(env).keywords}
+    keywords: dict[str, Any] = {**set_by_id, "scenario": scenario, "action_mode": action_mode}
+    if control_frequency is not None:
+        keywords["control_frequency"] = control_frequency
     with closing(gymnasium.make(env, **keywords)) as made:
         layout: ObservationLayout = made.get_wrapper_attr("observation_layout")
     model, scale = _open(path, algorithm, normalizer)

@@ -12,7 +12,7 @@ import typer
 
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
-from prp_gym.agents.training.shipped import read_groups
+from prp_gym.agents.training.shipped import default_action_mode, read_groups
 from prp_gym.cli.options import Backend, Plugins
 from prp_gym.cli.training_progress import show_results, train_seeds
 from prp_gym.errors import InvalidValueError
@@ -28,7 +28,9 @@ _OF_ONE_GROUP = ("algo", "action_mode", "seeds", "first_seed")
 
 def train_command(
     context: typer.Context,
-    env_id: Annotated[str | None, typer.Argument(help="Environment id; none with --shipped.")] = None,
+    env_id: Annotated[
+        str | None, typer.Argument(help="Id of a task or of its learning preset; none with --shipped.")
+    ] = None,
     shipped: Annotated[
         bool,
         typer.Option(
@@ -39,7 +41,10 @@ def train_command(
         Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
     ] = None,
     algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
-    action_mode: Annotated[str | None, typer.Option(help="Action mode. Default: that of the recipe.")] = None,
+    action_mode: Annotated[
+        str | None,
+        typer.Option(help="Action mode. Default: that of the shipped agents, or of the recipes of --config."),
+    ] = None,
     seeds: Annotated[int, typer.Option(help="Number of training seeds, with one agent each.")] = 1,
     first_seed: Annotated[int, typer.Option(help="First training seed.")] = 0,
     config: Annotated[
@@ -85,7 +90,8 @@ def train_command(
     if env_id is None:
         groups = [(group.recipe(config, overrides), range(group.seeds)) for group in read_groups(manifest)]
     else:
-        recipe = load_recipe(algo, env_id, action_mode, config, overrides)
+        mode = action_mode or default_action_mode(env_id, config)
+        recipe = load_recipe(algo, env_id, mode, config, overrides)
         groups = [(recipe, range(first_seed, first_seed + seeds))]
     for recipe, _ in groups:
         _check_environment(recipe)

@@ -7,6 +7,7 @@ import typer
 
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import load_recipe
+from prp_gym.agents.training.shipped import default_action_mode
 from prp_gym.agents.training.zoo_recipe import write_zoo_recipes
 from prp_gym.cli.options import Environments, Plugins
 from prp_gym.errors import InvalidValueError
@@ -19,7 +20,10 @@ def zoo_command(
     output: Annotated[Path, typer.Argument(help="Path of the file, which ends in .yml.")],
     env: Environments = None,
     algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
-    action_mode: Annotated[str | None, typer.Option(help="Action mode. Default: that of the recipe.")] = None,
+    action_mode: Annotated[
+        str | None,
+        typer.Option(help="Action mode. Default: that of the shipped agents, or of the recipes of --config."),
+    ] = None,
     config: Annotated[
         Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
     ] = None,
@@ -31,6 +35,9 @@ def zoo_command(
     """
     if output.suffix not in _SUFFIXES:
         raise InvalidValueError("file for the zoo", str(output), f"a name that ends in {_SUFFIXES[0]}")
-    recipes = [load_recipe(algo, name, action_mode, config) for name in env or list_envs()]
+    recipes = [
+        load_recipe(algo, name, action_mode or default_action_mode(name, config), config)
+        for name in env or list_envs()
+    ]
     write_zoo_recipes(recipes, output)
     typer.echo(f"{len(recipes)} recipes of {algo}: {output}")

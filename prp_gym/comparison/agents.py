@@ -15,6 +15,7 @@ from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 
 _RUN = "agent"  # name of the files in the folder of a training seed
+_LEARNING = "RL"  # addition to the names of agents that were trained on a learning preset
 _SEED = re.compile(r"_seed_\d+$")
 
 
@@ -26,7 +27,7 @@ class AgentFile:
         path: path of the agent's files, without suffix.
         sha256: SHA-256 digest over both files.
         group: name that it shares with the agents of other training seeds.
-        environment_id: id of the environment in which the agent was trained.
+        environment_id: id of the task on which the agent was trained, also through its learning preset.
         mode: action mode in which the agent was trained.
         control_frequency: control frequency of the environment [Hz].
         training_seed: random seed of the agent's training.
@@ -48,11 +49,12 @@ class AgentFile:
             PRPError: files that are missing, damaged or no agent.
         """
         card = load_agent(path).card
+        learned_on_errors = card.environment_id != card.task_id
         return cls(
             path=str(path),
             sha256=digest(path),
-            group=group,
-            environment_id=card.environment_id,
+            group=f"{group} ({_LEARNING})" if learned_on_errors else group,
+            environment_id=card.task_id,
             mode=card.action_mode,
             control_frequency=card.control_frequency,
             training_seed=card.seed,
@@ -71,7 +73,7 @@ def digest(path: Path) -> str:
 
 def agent_revision(card: AgentCard) -> int:
     """Revision of the behaviour of the task on which an agent was trained; 1 of a card that has none."""
-    return int(getattr(card, "environment_revision", 1))
+    return card.interface.environment_revision
 
 
 def learning_history(card: AgentCard) -> dict[str, Any]:

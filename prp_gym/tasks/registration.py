@@ -1,12 +1,15 @@
-"""Registration of tasks, here and with Gymnasium."""
+"""Registration of tasks and of their learning presets, here and with Gymnasium."""
 
 import pkgutil
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 
 from prp_gym.checks import instance
+from prp_gym.tasks.presets import LEARNING_KEYWORDS, learning_id
 from prp_gym.tasks.spec import TASKS, TaskSpec
 
 _ENTRY_POINT = "prp_gym.envs.environment:PRPEnv"
@@ -14,7 +17,7 @@ _VECTOR_ENTRY_POINT = "prp_gym.envs.vector:PRPVectorEnv"
 
 
 def register_task(spec: TaskSpec) -> TaskSpec:
-    """Declare a task, which makes it an environment of Gymnasium.
+    """Declare a task, which makes it an environment of Gymnasium, with a learning preset.
 
     Args:
         spec: Declaration, in this package or in another one.
@@ -31,7 +34,10 @@ def register_task(spec: TaskSpec) -> TaskSpec:
 
 
 def list_envs() -> list[str]:
-    """The ids of all environments: those of the suite, and of tasks registered by other packages."""
+    """The ids of all tasks: those of the suite, and of tasks registered by other packages.
+
+    Every task has a learning preset beside, `PRP-<Task>-RL-v0`, which is not listed.
+    """
     return list(TASKS)
 
 
@@ -46,12 +52,15 @@ def register_environments() -> None:
             _register_id(f"PRP-{module.name.title().replace('_', '')}-v0")
 
 
-def _register_id(environment_id: str) -> None:
-    if environment_id not in gymnasium.registry:
-        gymnasium.register(
-            environment_id,
-            entry_point=_ENTRY_POINT,
-            vector_entry_point=_VECTOR_ENTRY_POINT,
-            kwargs={"task": environment_id},
-            order_enforce=False,  # the environments raise their own error
-        )
+def _register_id(task_id: str) -> None:
+    """Make a task and its learning preset known to Gymnasium."""
+    presets: dict[str, Mapping[str, Any]] = {task_id: {}, learning_id(task_id): LEARNING_KEYWORDS}
+    for environment_id, keywords in presets.items():
+        if environment_id not in gymnasium.registry:
+            gymnasium.register(
+                environment_id,
+                entry_point=_ENTRY_POINT,
+                vector_entry_point=_VECTOR_ENTRY_POINT,
+                kwargs={"task": task_id, **keywords},
+                order_enforce=False,  # the environments raise their own error
+            )

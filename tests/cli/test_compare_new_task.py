@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from prp_gym import list_agents, register_task
 from prp_gym.cli.main import app
+from prp_gym.tasks.presets import learning_id
 from prp_gym.tasks.spec import TASKS, TaskScoring
 
 ID = "Test-NewTask-v0"
@@ -26,7 +27,7 @@ def new_task(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     register_task(replace(TASKS["PRP-JointTracking-v0"], id=ID, scoring=TaskScoring(("energy",)), revision=4))
     yield
     TASKS.unregister(ID)
-    del gymnasium.registry[ID]
+    del gymnasium.registry[ID], gymnasium.registry[learning_id(ID)]
 
 
 def run(command: str, folder: Path, *options: str) -> tuple[dict[str, Any], str]:

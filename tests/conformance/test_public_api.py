@@ -17,6 +17,7 @@ from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.loop_environment import LoopEnvironment
 from prp_gym.errors import PRPError, UnknownNameError
 from prp_gym.tasks.parts import ErrorFunction, Reference, StartSampler, World
+from prp_gym.tasks.presets import learning_id
 from prp_gym.tasks.registration import register_environments
 from prp_gym.tasks.spec import TASKS
 
@@ -86,7 +87,8 @@ def test_version_is_the_installed_one() -> None:
 def test_import_registers_every_environment_with_gymnasium() -> None:
     code = "import gymnasium, json, prp_gym; print(json.dumps(list(gymnasium.registry)))"
     registered = in_fresh_python(code)
-    assert set(prp_gym.list_envs()) == {name for name in registered if name.startswith("PRP-")}
+    tasks = prp_gym.list_envs()
+    assert {*tasks, *map(learning_id, tasks)} == {name for name in registered if name.startswith("PRP-")}
     assert prp_gym.list_envs() == list(TASKS)
 
 

@@ -11,6 +11,7 @@ import pytest
 import prp_gym
 from prp_gym.envs import PRPEnv
 from prp_gym.errors import InvalidValueError
+from prp_gym.tasks.presets import learning_id
 from prp_gym.tasks.registration import register_environments, register_task
 from prp_gym.tasks.spec import TASKS, TaskSpec
 
@@ -31,9 +32,10 @@ def run(code: str) -> str:
     return done.stdout.strip()
 
 
-def test_listed_ids_are_exactly_those_known_to_gymnasium() -> None:
+def test_tasks_and_their_presets_are_exactly_what_gymnasium_knows() -> None:
     known = [name for name, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("prp_gym")]
-    assert sorted(prp_gym.list_envs()) == sorted(known)
+    tasks = prp_gym.list_envs()
+    assert sorted([*tasks, *map(learning_id, tasks)]) == sorted(known)
     assert len(set(known)) == len(known) > 0
 
 
