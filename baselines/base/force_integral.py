@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from prp_gym.baselines.base.approach_speed import ApproachSpeed
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
@@ -178,7 +177,12 @@ class ScheduledGain(ForceIntegral):
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
         """A displacement of zero, no contact, no filtered error, and an estimator without measurements."""
-        return np.zeros((*shape, 3)), np.zeros((*shape, 1)), np.zeros((*shape, 1)), self.estimator.begin(shape)
+        return (
+            np.zeros((*shape, 3)),
+            np.zeros((*shape, 1)),
+            np.zeros((*shape, 1)),
+            self.estimator.begin(shape),
+        )
 
     def step(
         self, memory: Memory, error: ForceError, tip: TipMotion, rate_scaling: RateScaling = STEADY

@@ -1,4 +1,4 @@
-"""Errors of force tasks: the force along the surface normal, the contact, and the pose in other directions."""
+"""Errors of force tasks: force along the surface normal, contact, and pose in the other directions."""
 
 import math
 from collections.abc import Sequence
@@ -14,6 +14,8 @@ from prp_gym.tasks.fields import FORCE_ERROR, Field, ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 from prp_gym.tasks.setup import TaskSetup
 
+_ESTABLISHED = 0.5  # relative force error below which a contact is established
+
 
 class ForceErrors(ErrorFunction):
     """Force error, disturbance of the contact, deviation from the pose in other directions, and effort.
@@ -21,9 +23,9 @@ class ForceErrors(ErrorFunction):
     With f = n·f_e along the desired force f_d n, the relative force error is 1 - f/f_d; where it is negative,
     the force exceeds the desired one, and its size counts `excess_factor` times. The disturbance of the
     contact remembers the worst moment: it is the largest of the relative excess f/f_d - 1, of 1 at every
-    moment at which contact is lost, and of its former value, which decays with `disturbance_time`. Without
-    contact it is at least 1. A short impact, which a mean error hardly shows, so costs score for as long as
-    the decay takes, as do bounces.
+    moment at which contact is lost that had been established by half the desired force, and of its former
+    value, which decays with `disturbance_time`. Without contact it is at least 1. A short impact, which a
+    mean error hardly shows, so costs score for as long as the decay takes, as do bounces.
 
     Args:
         setup: Numbers, scenario, keywords and period of the task.
@@ -42,16 +44,17 @@ class ForceErrors(ErrorFunction):
         self._excess_factor = float(constants["excess_factor"])
         self._decay = math.exp(-setup.period / float(constants["disturbance_time"]))
         self._disturbance = np.zeros(0)
-        self._touching: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._established: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self._error: Array | None = None
+        self._touching: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         """See `ErrorFunction.begin`: no disturbance yet, and no contact that could be lost."""
         if not len(self._disturbance):
             self._disturbance = np.zeros(len(ids))
-            self._touching = np.zeros(len(ids), dtype=np.bool_)
+            self._established = np.zeros(len(ids), dtype=np.bool_)
         self._disturbance[ids] = 0.0
-        self._touching[ids] = False
+        self._established[ids] = False
 
     def _measure(self, ground_truth: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The relative force error along the desired force (N), and whether the tip touches (N)."""
@@ -65,8 +68,9 @@ class ForceErrors(ErrorFunction):
     def advance(self, ground_truth: Array) -> None:
         """See `ErrorFunction.advance`."""
         error, touching = self._measure(ground_truth)
-        event = np.where(self._touching & ~touching, 1.0, -error)
+        event = np.where(self._established & ~touching, 1.0, -error)
         self._disturbance = np.maximum(self._disturbance * self._decay, event)
+        self._established = touching & (self._established | (error < _ESTABLISHED))
         self._error, self._touching = error, touching
 
     def complete(self, ground_truth: Array) -> None:

@@ -236,4 +236,6 @@ def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None
         table.add_row(name, *cells, "written" if candidate in changed else "as before")
     console = make_console(least=TABLE_WIDTH)
     console.print(table)
-    console.print("score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect.")
+    console.print(
+        "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
+    )

@@ -53,9 +53,7 @@ class Finding:
     @property
     def holds(self) -> bool:
         """Whether the score agrees with the criterion."""
-        return not self.required or (
-            self.correlation.value > LEAST_CORRELATION and not self.offenders
-        )
+        return not self.required or (self.correlation.value > LEAST_CORRELATION and not self.offenders)
 
 
 @dataclass(frozen=True)
@@ -130,7 +128,11 @@ def _audit(condition: Condition, seed: int) -> Audit:
         required = metric not in REPORTED
         findings.append(_finding(metric, scores, values, drawn, names, required))
     return Audit(
-        condition.environment_id, condition.scenario, names, tuple(scores.mean(axis=1).tolist()), tuple(findings)
+        condition.environment_id,
+        condition.scenario,
+        names,
+        tuple(scores.mean(axis=1).tolist()),
+        tuple(findings),
     )
 
 

@@ -117,7 +117,9 @@ class RandomGainsJob:
 AuditJob = ControllerJob | VariedJob | UnawareJob | RandomGainsJob | AgentJob
 
 
-def _record(job: UnawareJob | RandomGainsJob, name: str, policy: Policy, env: gymnasium.Env[Any, Any]) -> Record:
+def _record(
+    job: UnawareJob | RandomGainsJob, name: str, policy: Policy, env: gymnasium.Env[Any, Any]
+) -> Record:
     evaluation = evaluate(policy, env, job.episodes, job.seed)
     record: Record = to_plain({**make_record(evaluation, name, {}, {}), **policy_facts(name, VARIED)})
     return record

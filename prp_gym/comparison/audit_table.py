@@ -33,7 +33,9 @@ def audit_table(audits: Iterable[Audit]) -> Table:
 
 def unaware_table(audits: Iterable[Audit], names: Sequence[str]) -> Table:
     """Scores and ranks of the policies that do not attempt the task."""
-    table = _make("score (rank among all policies) of policies that do not attempt the task", ("environment",))
+    table = _make(
+        "score (rank among all policies) of policies that do not attempt the task", ("environment",)
+    )
     for name in ("best policy", *names):
         table.add_column(name.replace("_", "\n").replace(" ", "\n"), justify="right", vertical="bottom")
     for item in audits:

@@ -29,7 +29,6 @@ task: zero torque, and holding the start pose. Every policy has to exceed them.
 _RENAMED = {"zero": FLOOR}  # as results of version 0.1 call it
 
 
-
 @dataclass(frozen=True, eq=False)
 class History:
     """The score of a policy in the course of its training or tuning.

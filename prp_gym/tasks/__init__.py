@@ -21,10 +21,10 @@ from prp_gym.tasks.task import Task
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Sine, SquareAcceleration, Trajectory
 
 __all__ = [
-    "Criterion",
     "SCENARIOS",
     "TASKS",
     "Constant",
+    "Criterion",
     "Displacement",
     "EpisodeStart",
     "ErrorFunction",

@@ -1,6 +1,6 @@
 """`TaskSpec`: the declaration of a task, and the registry of tasks."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any

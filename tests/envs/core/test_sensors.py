@@ -239,15 +239,16 @@ class ForceReward:
     """The reward of a force task from named values, by the formula Σ w/(1 + |e/s|), step after step."""
 
     def __init__(self) -> None:
-        self.disturbance, self.touching = 0.0, False
+        self.disturbance, self.established = 0.0, False
 
     def __call__(self, env: PRPEnv, parts: dict[str, Array]) -> float:
         inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
         ratio = parts["contact_force"] @ inward / np.linalg.norm(parts["desired_force"])
         touching = bool(np.linalg.norm(parts["contact_force"]) > 1e-6)
-        lost = self.touching and not touching
+        lost = self.established and not touching
         decayed = self.disturbance * math.exp(-1.0 / (5.0 * env.control_frequency))
-        self.disturbance, self.touching = max(decayed, 1.0 if lost else ratio - 1.0), touching
+        self.disturbance = max(decayed, 1.0 if lost else ratio - 1.0)
+        self.established = touching and (self.established or ratio > 0.5)
         deviation = parts["desired_pose"] - parts["end_effector_pose"]
         along = deviation[:3] - (deviation[:3] @ inward) * inward
         errors = (

@@ -156,7 +156,9 @@ def test_errors_are_the_force_along_the_normal_the_tip_along_the_surface_and_the
     deviations = [(0.1, 0.0, 0.3), (0.1, 0.2, 0.0), (0.1 - 0.132, 0.2 - 0.176, 0.3)]
     errors = task_of(environment_id).errors(np.array(rows), np.tile(torque, (3, 1)))
     assert errors.shape == (3, 5, 3)
-    for found, force, deviation in zip(errors, ((0.75, 0.0), (-1.0, 0.5), (1.0, 1.0)), deviations, strict=True):
+    for found, force, deviation in zip(
+        errors, ((0.75, 0.0), (-1.0, 0.5), (1.0, 1.0)), deviations, strict=True
+    ):
         expected = [(force[0], 0.0, 0.0), (force[1], 0.0, 0.0), deviation, (0.5, -0.5, 0.0), torque]
         np.testing.assert_allclose(
             found, np.array(expected), rtol=0, atol=1e-15
@@ -313,7 +315,9 @@ def test_impact_is_remembered_and_fades_with_the_time_constant(environment_id: s
 def test_without_contact_and_after_its_loss_the_disturbance_is_one(environment_id: str) -> None:
     contact = Contact(environment_id)
     assert contact.step(0.0) == (1.0, 1.0)
-    assert contact.step(2.0)[1] == 0.0  # it was never lost
+    assert contact.step(0.9)[1] == 0.0  # it was never lost
+    assert contact.step(0.0)[1] == 1.0
+    assert contact.step(2.0)[1] == 0.0  # it had not been established
     assert contact.step(0.0)[1] == 1.0
     assert contact.step(2.0)[1] == pytest.approx(np.exp(-contact.task.period / 5.0))
     contact.task.begin(np.arange(1), [draw(contact.task, 0)])
