@@ -26,9 +26,16 @@ _FAILED = 1  # exit code
 def tune_all_command(
     env: Environments = None,
     baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
+    budget: Annotated[
+        int | None,
+        typer.Option(
+            help="Control steps to simulate at most in each search, of all environments together. Default: "
+            "the simulated training time of an agent on the environment."
+        ),
+    ] = None,
     budget_scale: Annotated[
         float,
-        typer.Option(help="Share of the simulated training time of an agent that is the budget of a search."),
+        typer.Option(help="Share of these budgets that is spent."),
     ] = 1.0,
     seed: Annotated[int, typer.Option(help="Seed of the searches and of their training episodes.")] = 0,
     output: Annotated[Path, typer.Option(help="Folder for the folders of the searches.")] = Path("tuning"),
@@ -38,8 +45,8 @@ def tune_all_command(
 ) -> None:
     """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
 
-    Each search has as much simulated time as the training of an agent, maximises the mean over the scenarios
-    realistic and randomized, and is validated as by `tune`. A run that was interrupted goes on where it
+    Each search maximises the mean over the scenarios
+    realistic and randomized within a budget of simulated time, and is validated as by `tune`. A run that was interrupted goes on where it
     stopped when the same command is given again.
     """
     workers = Workers(jobs, backend)
@@ -47,7 +54,7 @@ def tune_all_command(
         raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
     pairs = list_pairs(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
-    searches = [plan_search(pair, budget_scale, seed, output, command) for pair in pairs]
+    searches = [plan_search(pair, budget, budget_scale, seed, output, command) for pair in pairs]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
     console = make_console(least=TABLE_WIDTH)
     outcomes: list[TunedController | PRPError] = []

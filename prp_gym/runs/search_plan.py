@@ -57,12 +57,15 @@ def simulated_seconds(environment_id: str) -> Fraction:
     return max(times, default=Fraction(SECONDS_WITHOUT_AGENT))
 
 
-def plan_search(pair: tuple[str, str], scale: float, seed: int, output: Path, command: str) -> Search:
+def plan_search(
+    pair: tuple[str, str], budget: int | None, scale: float, seed: int, output: Path, command: str
+) -> Search:
     """The search for the gains of a controller on an environment, which goes on where it was interrupted.
 
     Args:
         pair: environment id and name of the controller.
-        scale: share of the simulated time of an agent that is the budget.
+        budget: control steps that may be simulated; None for the simulated training time of an agent.
+        scale: share of the budget that is spent.
         seed: seed of the search.
         output: folder for the folder of the search.
         command: command line that runs the search.
@@ -71,8 +74,10 @@ def plan_search(pair: tuple[str, str], scale: float, seed: int, output: Path, co
         InvalidValueError: a budget that is too small.
     """
     environment_id, name = pair
-    budget = math.floor(simulated_seconds(environment_id) * Fraction(FREQUENCY) * Fraction(scale))
-    task = TuningTask(environment_id, name, SCENARIOS, FREQUENCY, budget, EPISODES, seed)
+    steps = simulated_seconds(environment_id) * Fraction(FREQUENCY) if budget is None else Fraction(budget)
+    task = TuningTask(
+        environment_id, name, SCENARIOS, FREQUENCY, math.floor(steps * Fraction(scale)), EPISODES, seed
+    )
     return Search(task, ControllerChoice(name, gains=GainsChoice(TUNED)), output, command, resume=True)
 
 

@@ -12,10 +12,10 @@ from typer.testing import CliRunner
 
 import prp_gym
 from prp_gym.baselines import make_baseline
-from prp_gym.cli import tune as tune_command
 from prp_gym.cli.main import app
 from prp_gym.errors import InvalidValueError, MissingFieldError, PRPError, UnknownNameError
 from prp_gym.evaluation import evaluate
+from prp_gym.runs import search
 from prp_gym.tuning import load_tuned_controller
 
 RUNNER = CliRunner()
@@ -100,7 +100,7 @@ def test_search_with_other_options_is_not_resumed(tmp_path: Path, other: tuple[s
 
 def test_search_of_other_code_is_not_resumed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run(tmp_path, "--budget", "100").exit_code == 0
-    monkeypatch.setattr(tune_command, "running_code", lambda: {"sources": "0"})
+    monkeypatch.setattr(search, "running_code", lambda: {"sources": "0"})
     assert isinstance(run(tmp_path, "--budget", "100", "--resume").exception, InvalidValueError)
 
 
