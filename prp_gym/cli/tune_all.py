@@ -45,9 +45,9 @@ def tune_all_command(
 ) -> None:
     """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
 
-    Each search maximises the mean over the scenarios
-    realistic and randomized within a budget of simulated time, and is validated as by `tune`. A run that was interrupted goes on where it
-    stopped when the same command is given again.
+    Each search maximises the mean over the scenarios realistic and randomized within a budget of simulated
+    time, and is validated as by `tune`. A run that was interrupted goes on where it stopped when the same
+    command is given again.
     """
     workers = Workers(jobs, backend)
     if not 0.0 < budget_scale <= 100.0:

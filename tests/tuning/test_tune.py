@@ -257,11 +257,11 @@ def test_search_is_neither_overwritten_nor_mixed_with_another(tmp_path: Path) ->
 
 
 def test_proposals_of_a_round_do_not_depend_on_each_other_s_scores(tmp_path: Path) -> None:
-    studies = [synthetic(tmp_path / str(score), 1) for score in (0.1, 0.9)]
+    studies = [synthetic(tmp_path / str(score), 1) for score in (0.01, 0.9)]
     proposals = [study.propose() for study in studies]
     assert proposals[0] == proposals[1]
     assert len(proposals[0]) == 4
-    for study, score in zip(studies, (0.1, 0.9), strict=True):
+    for study, score in zip(studies, (0.01, 0.9), strict=True):
         keep(study, score, proposals[0][0])
         assert study.propose() == proposals[0][1:]
         for factors in study.propose():
