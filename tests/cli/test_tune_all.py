@@ -14,6 +14,7 @@ from prp_gym.baselines import CONTROLLERS
 from prp_gym.cli.main import app
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.runs import search_plan
+from prp_gym.runs.controllers import Controllers
 from prp_gym.tuning import load_tuned_controller
 
 RUNNER = CliRunner()
@@ -63,7 +64,7 @@ def test_every_intended_pair_is_searched_and_an_interrupted_run_goes_on(
     def interrupted(search: Any) -> Any:
         if search.task.controller == "adaptive":
             raise KeyboardInterrupt
-        return search.run(search_plan.Controllers())
+        return search.run(Controllers())
 
     with monkeypatch.context() as patch:
         patch.setattr("prp_gym.cli.tune_all.run_or_fail", interrupted)
