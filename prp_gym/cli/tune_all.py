@@ -13,7 +13,7 @@ from rich.table import Table
 from prp_gym.cli.options import Backend, Environments, ParallelWorkers, Plugins
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
-from prp_gym.runs.search_plan import list_pairs, plan_search, run_or_fail
+from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
@@ -52,9 +52,11 @@ def tune_all_command(
     workers = Workers(jobs, backend)
     if not 0.0 < budget_scale <= 100.0:
         raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
-    pairs = list_pairs(check_names("environment", env or [], list_envs()), baseline or [])
+    combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
-    searches = [plan_search(pair, budget, budget_scale, seed, output, command) for pair in pairs]
+    searches = [
+        plan_search(combination, budget, budget_scale, seed, output, command) for combination in combinations
+    ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
     console = make_console(least=TABLE_WIDTH)
     outcomes: list[TunedController | PRPError] = []

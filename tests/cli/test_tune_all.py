@@ -48,7 +48,7 @@ def results(folder: Path) -> dict[str, dict[str, Any]]:
     return found
 
 
-def test_every_intended_pair_is_searched_and_an_interrupted_run_goes_on(
+def test_every_intended_controller_is_searched_and_an_interrupted_run_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = run(tmp_path / "whole")
@@ -87,9 +87,9 @@ def test_search_that_fails_does_not_stop_the_others(tmp_path: Path) -> None:
 def test_budget_is_the_simulated_time_of_an_agent_unless_it_is_given() -> None:
     seconds = search_plan.simulated_seconds("PRP-JointTracking-v0")
     plan = partial(search_plan.plan_search, seed=0, output=Path("x"), command="")
-    pair = ("PRP-JointTracking-v0", "joint_pd")
-    assert plan(pair, None, 0.5).task.budget == int(seconds * 250)
-    assert plan(pair, 1001, 0.5).task.budget == 500
+    combination = ("PRP-JointTracking-v0", "joint_pd")
+    assert plan(combination, None, 0.5).task.budget == int(seconds * 250)
+    assert plan(combination, 1001, 0.5).task.budget == 500
     assert seconds > 100.0
 
 
