@@ -30,7 +30,7 @@ class ScenarioCandidates(NamedTuple):
     candidates: Candidates
 
 
-class Measurement(NamedTuple):
+class CandidateScore(NamedTuple):
     """What running a candidate gave.
 
     Attributes:
@@ -76,7 +76,7 @@ class Objective:
         """Control steps of a candidate of which no episode ends early."""
         return sum(episodes.most_steps for _, episodes in self._runs)
 
-    def measure(self, proposals: Sequence[Mapping[str, float]], best: Trial | None) -> list[Measurement]:
+    def measure(self, proposals: Sequence[Mapping[str, float]], best: Trial | None) -> list[CandidateScore]:
         """Run candidates side by side, each to its end or until it is hopeless.
 
         A candidate that the controller refuses scores 0 and uses as much of the budget as a whole one.
@@ -88,15 +88,15 @@ class Objective:
         Returns:
             one for each candidate, the same as if it was run alone.
         """
-        found: dict[int, Measurement] = {}
-        running = [_Running(place) for place in range(len(proposals))]
+        found: dict[int, CandidateScore] = {}
+        running = [_Running(number) for number in range(len(proposals))]
         for candidates, episodes in self._runs:
             policies = []
             for item in list(running):
                 try:
-                    policies.append(candidates.make(proposals[item.place]))
+                    policies.append(candidates.make(proposals[item.number]))
                 except PRPError:
-                    found[item.place] = Measurement(0.0, self.most_steps, (0.0,) * len(self._runs), False)
+                    found[item.number] = CandidateScore(0.0, self.most_steps, (0.0,) * len(self._runs), False)
                     running.remove(item)
             for item, outcome in zip(running, episodes.run_all(policies) if policies else [], strict=True):
                 item.means.append(float(outcome.scores.mean()))
@@ -104,9 +104,9 @@ class Objective:
             for item in list(running):
                 whole = len(item.means) == len(self._runs)
                 if whole or (best is not None and _is_hopeless(item.means, best.by_scenario)):
-                    found[item.place] = item.measured(None if whole else best)
+                    found[item.number] = item.measured(None if whole else best)
                     running.remove(item)
-        return [found[place] for place in range(len(proposals))]
+        return [found[number] for number in range(len(proposals))]
 
     def score(self, settings_of: Sequence[Callable[[Candidates], Settings]]) -> list[float]:
         """Mean scores of given settings, over all episodes of all scenarios.
@@ -127,21 +127,21 @@ class _Running:
     """A candidate that is being run.
 
     Attributes:
-        place: index of the candidate among those that are run side by side.
+        number: index of the candidate among those that are run side by side.
         means: mean scores in the scenarios so far [1].
         steps: control steps so far.
     """
 
-    place: int
+    number: int
     means: list[float] = field(default_factory=list)
     steps: int = 0
 
-    def measured(self, best: Trial | None) -> Measurement:
+    def measured(self, best: Trial | None) -> CandidateScore:
         """What running it gave; an estimate from the best trial where it was stopped."""
         means = tuple(self.means)
         if best is None:
-            return Measurement(_mean(means), self.steps, means, stopped=False)
-        return Measurement(_estimate(means, best), self.steps, means, stopped=True)
+            return CandidateScore(_mean(means), self.steps, means, stopped=False)
+        return CandidateScore(_estimate(means, best), self.steps, means, stopped=True)
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -91,7 +91,7 @@ class StoredStudy:
             return [self._space.start]
         known = self.known
         parameters = self.ranges(known).parameters
-        return [self._propose(place, parameters, known) for place in range(index, len(known) + ROUND)]
+        return [self._propose(number, parameters, known) for number in range(index, len(known) + ROUND)]
 
     def record(self, trial: Trial) -> None:
         """Keep a finished trial.

@@ -97,8 +97,8 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
     }
     settings_of["start"] = start_settings
     selection = scores.find([f"selection {index}" for index in best], lambda names: scored(objective, names))
-    order = sorted(range(len(best)), key=lambda place: -selection[place])[:FINALISTS]
-    finalists = [best[place] for place in order]
+    order = sorted(range(len(best)), key=lambda number: -selection[number])[:FINALISTS]
+    finalists = [best[number] for number in order]
     named = [f"final {index}" for index in finalists]
     *results, start = scores.find([*named, "final start"], lambda names: scored(final, names))
     found = max(results, default=-math.inf)

@@ -41,8 +41,8 @@ def objective() -> Objective:
 def test_score_is_the_mean_over_scenarios_of_the_evaluator_s_means(objective: Objective) -> None:
     found = objective.measure([START], None)[0]
     means = [
-        evaluate(make_baseline(CONTROLLER, env), env, 3, FIRST + 3 * place).metrics["score"].mean()
-        for place, (env, _) in enumerate(CONDITIONS)
+        evaluate(make_baseline(CONTROLLER, env), env, 3, FIRST + 3 * number).metrics["score"].mean()
+        for number, (env, _) in enumerate(CONDITIONS)
     ]
     # five episodes are three in each of two scenarios; sums in another order
     assert found.by_scenario == pytest.approx(means, rel=1e-12)

@@ -21,15 +21,15 @@ SELECTION, FINAL = 501_000_000, 500_000_000
 class Fresh:
     """Fresh episodes on which the score of a candidate depends on its first factor, as told."""
 
-    def __init__(self, score_of: Mapping[float, float], asked: list[float]) -> None:
-        self.score_of, self.asked, self.episodes = score_of, asked, 0
+    def __init__(self, score_of: Mapping[float, float], seen: list[float]) -> None:
+        self.score_of, self.seen, self.episodes = score_of, seen, 0
 
     def score(self, settings_of: Sequence[Callable[[Candidates], Mapping[str, Any]]]) -> list[float]:
         return [self._score(item) for item in settings_of]
 
     def _score(self, settings_of: Callable[[Candidates], Mapping[str, Any]]) -> float:
         factor = settings_of(Candidates(PlainSpace(), lambda values: None))["first"]  # type: ignore[arg-type, return-value]
-        self.asked.append(factor)
+        self.seen.append(factor)
         return self.score_of[factor]
 
 
@@ -43,8 +43,8 @@ class Kept:
 def tuned(scores: Sequence[float]) -> Tuned:
     """Candidates with the first factors 1, 2, 3, ... and these training scores."""
     trials = [
-        Trial({"first": 1.0 + place, "second": 1.0}, score, 1, 0.0, (score,))
-        for place, score in enumerate(scores)
+        Trial({"first": 1.0 + number, "second": 1.0}, score, 1, 0.0, (score,))
+        for number, score in enumerate(scores)
     ]
     return Tuned(trials, Ranges((), {}))
 
@@ -52,15 +52,15 @@ def tuned(scores: Sequence[float]) -> Tuned:
 def run(
     search: Tuned, selection: Mapping[float, float], final: Mapping[float, float], scores: Any = None
 ) -> tuple[Any, list[float], list[float]]:
-    asked: dict[int, list[float]] = {SELECTION: [], FINAL: []}
+    seen: dict[int, list[float]] = {SELECTION: [], FINAL: []}
     score_of = {SELECTION: selection, FINAL: final}
 
     def make(seed: int, episodes: int) -> Any:
-        made = Fresh(score_of[seed], asked[seed])
+        made = Fresh(score_of[seed], seen[seed])
         made.episodes = episodes
         return made
 
-    return choose(search, make, Kept() if scores is None else scores), asked[SELECTION], asked[FINAL]
+    return choose(search, make, Kept() if scores is None else scores), seen[SELECTION], seen[FINAL]
 
 
 def test_candidate_that_is_best_in_training_but_worse_on_fresh_episodes_is_not_chosen() -> None:
