@@ -19,7 +19,7 @@ from prp_gym.runs import code, run
 from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
-from prp_gym.runs.floor_job import list_floors
+from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import JobResult, Record, run_job
 from prp_gym.runs.store import JobStore
 from tests.runs.test_workers import needs_ray
@@ -37,7 +37,7 @@ OPTIONS = [
 CONDITIONS = [(environment_id, scenario) for environment_id in IDS for scenario in SCENARIOS]
 REGISTERED = Controllers()
 CHOICES = [ControllerChoice(name, gains=GainsChoice("tuned_50hz")) for name in CONTROLLERS]
-JOBS = [
+JOBS: list[EvaluationJob | FloorJob] = [
     *list_jobs(CONDITIONS, CHOICES, REGISTERED, 50.0, 3, 5),
     *list_floors(CONDITIONS, 50.0, 3, 5),
 ]
