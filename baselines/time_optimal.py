@@ -96,7 +96,8 @@ class TimeOptimalController(Baseline[TimeOptimalSettings]):
     def _acceleration_limit(self, inertia: Array) -> Array:
         """A (..., joints) from the inertia matrix (..., joints, joints)."""
         own: Array = np.einsum("...ii->...i", inertia)
-        return self.settings.acceleration_share * self.interface.torque_limit / own
+        limit: Array = self.settings.acceleration_share * self.interface.torque_limit / own
+        return limit
 
     def _profile(self, error: Array, limit: Array) -> tuple[Array, Array]:
         """f(q̃) and f'(q̃), (..., joints) each, for acceleration limits a (..., joints)."""
