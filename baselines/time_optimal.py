@@ -94,7 +94,7 @@ class TimeOptimalController(Baseline[TimeOptimalSettings]):
         return factor * effort + n, (np.where(free, integral + change, integral),)
 
     def _acceleration_limit(self, inertia: Array) -> Array:
-        """A (..., joints) from the inertia matrix (..., joints, joints)."""
+        """Acceleration limit a (..., joints) from the inertia matrix (..., joints, joints)."""
         own: Array = np.einsum("...ii->...i", inertia)
         limit: Array = self.settings.acceleration_share * self.interface.torque_limit / own
         return limit
