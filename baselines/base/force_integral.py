@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from prp_gym.baselines.base.approach_speed import ApproachSpeed
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
@@ -151,8 +150,8 @@ class FixedGains(ForceIntegral):
 class ScheduledGain(ForceIntegral):
     """ẋ_F = n ω_c e_D/K̂ in contact, n v before it where a force is desired; never faster than v(K̂).
 
-    e_D is the error e behind a low pass with the time constant D̂/K̂, or 0.2/ω_c if that is more; it starts from
-    0 at the touch, and wherever an actuator was at its limit. On a surface of stiffness K and damping D
+    e_D is the error e behind a low pass with the time constant D̂/K̂, or 0.2/ω_c if that is more; it starts
+    from 0 at the touch, and wherever an actuator was at its limit. On a surface of stiffness K and damping D
     the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
     Without the low pass a damping above about 2 K/ω_c makes the loop unstable, since the damper passes the
     speed of the target on to the force at once.
@@ -183,7 +182,12 @@ class ScheduledGain(ForceIntegral):
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
         """A displacement of zero, no contact, no filtered error, and an estimator without measurements."""
-        return np.zeros((*shape, 3)), np.zeros((*shape, 1)), np.zeros((*shape, 1)), self.estimator.begin(shape)
+        return (
+            np.zeros((*shape, 3)),
+            np.zeros((*shape, 1)),
+            np.zeros((*shape, 1)),
+            self.estimator.begin(shape),
+        )
 
     def step(
         self, memory: Memory, error: ForceError, tip: TipMotion, rate_scaling: RateScaling = STEADY
@@ -203,7 +207,9 @@ class ScheduledGain(ForceIntegral):
         )
         surface = self.estimator.surface(estimate)
         stiffness, period = surface.stiffness[..., None], self.estimator.period
-        delay = np.maximum(surface.damping[..., None] / stiffness, self.least_delay / max(self.bandwidth, 1e-9))
+        delay = np.maximum(
+            surface.damping[..., None] / stiffness, self.least_delay / max(self.bandwidth, 1e-9)
+        )
         smooth = np.where(contact, memory[2] + period / (period + delay) * (error.value - memory[2]), 0.0)
         phase = np.where(contact, _TOUCHING, np.where(phase == _NEVER, _NEVER, _LOST))
         rate = self._rate(error, smooth, phase, stiffness, rate_scaling)

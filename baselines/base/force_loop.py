@@ -168,9 +168,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         """See `Baseline.control`."""
         measured, count = self.measured(observed), self._integral.arrays
         tared = count + self._taring.arrays
-        force, tare = self._taring.step(
-            state[count:tared], observed["contact_force"], measured.pose[..., :3]
-        )
+        force, tare = self._taring.step(state[count:tared], observed["contact_force"], measured.pose[..., :3])
         desired = observed.get("desired_force", np.zeros(force.shape)) + observed.get("force_offset", 0.0)
         error = ForceError.of(desired, force)
         base = self.base_motion(observed, state, error)

@@ -16,7 +16,7 @@ ARM = PRPArm()
 
 
 def test_arm_accelerates_as_the_motion_control_asks_across_the_force() -> None:
-    """By Pinocchio: with the applied force as contact force, what remains is a = P(...), without a part along n."""
+    """By Pinocchio: under the applied force as contact force a = P(...) remains, without a part along n."""
     observed = random_observation(4, 5)
     chosen = controller(NAME, "tuned")
     torque, state = chosen.control(observed, ())
@@ -47,7 +47,7 @@ def test_force_at_rest_is_the_desired_one_though_none_is_measured(stiffness: flo
 
 
 @pytest.mark.parametrize(("share", "stable"), [(0.9, True), (1.1, False)])
-def test_damping_that_is_held_is_stable_up_to_twice_the_mass_over_the_period(share: float, stable: bool) -> None:
+def test_held_damping_is_stable_up_to_twice_the_mass_over_the_period(share: float, stable: bool) -> None:
     """v ← (1 - d dt/m) v of a mass m: |1 - d dt/m| < 1 for d dt < 2 m."""
     q = np.array([[0.3, -0.1, 0.4]])
     into = np.array([[np.sin(0.3), -np.cos(0.3), 0.0]])

@@ -183,10 +183,7 @@ def test_new_estimate_does_not_move_the_target() -> None:
     soft[:] = [50.0, 0.0, 0.0, 1.0, 1e-4, 0.0, 0.0, 1e-4 * 50.0, 0.0]
     stiff[:] = [50.0, 0.0, 0.0, 1.0, 1e-4, 0.0, 0.0, 1e-4 * 4000.0, 0.0]
     before = np.array([0.02, 0.0, 0.0]), np.ones(1), np.zeros(1)
-    targets = [
-        OUTER.step((*before, memory), error(2.0, 1.0), STILL)[0]
-        for memory in (soft, stiff)
-    ]
+    targets = [OUTER.step((*before, memory), error(2.0, 1.0), STILL)[0] for memory in (soft, stiff)]
     np.testing.assert_array_equal(targets[0], targets[1])
 
 

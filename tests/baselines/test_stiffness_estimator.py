@@ -1,4 +1,4 @@
-"""The estimate of a stiffness and a damping: recursion against batch least squares, and what must not disturb it."""
+"""The estimate of a surface: recursion against batch least squares, and what must not disturb it."""
 
 import numpy as np
 import pytest

@@ -52,7 +52,9 @@ def test_noise_alone_is_no_touch() -> None:
 def test_force_that_grows_slowly_is_hardly_subtracted(stiffness: float, speed: float) -> None:
     depth = np.maximum(0.0, speed * (0.002 * np.arange(1500)[:, None] - 0.4))  # a touch after 200 periods
     force = np.minimum(stiffness * depth, 1.0) * INTO
-    last = np.mean([corrected(UNTIL, BIAS + noise(1500, seed) + force)[-300:] for seed in range(4)], axis=(0, 1))
+    last = np.mean(
+        [corrected(UNTIL, BIAS + noise(1500, seed) + force)[-300:] for seed in range(4)], axis=(0, 1)
+    )
     # a force below 2.8 σ = 0.14 N is not seen: it is averaged while it grows, and weighs against 200 readings
     waiting = 0.14 / (stiffness * speed * 0.002)
     allowed = 0.01 + 0.14 / 2.0 * waiting / (waiting + 200.0)
@@ -96,7 +98,9 @@ def test_rows_of_a_batch_are_independent() -> None:
         np.testing.assert_array_equal(together[:, row], corrected(WHENEVER, free[:, row], tip[:, row]))
 
 
-@pytest.mark.parametrize("name", ["impedance", "admittance", "force_inner_position", "parallel_force_position"])
+@pytest.mark.parametrize(
+    "name", ["impedance", "admittance", "force_inner_position", "parallel_force_position"]
+)
 def test_untared_controllers_do_not_remember_readings(name: str) -> None:
     observed = random_observation(3, 2)
     tared, untared = controller(name, "tuned"), controller(name, "report")
