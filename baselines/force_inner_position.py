@@ -68,5 +68,6 @@ register_controller(
         data=ControllerData.beside(__file__),
         command_inputs=FORCE_COMMAND_INPUTS,
         chapter=14,
+        revision=2,
     )
 )

@@ -34,5 +34,6 @@ register_controller(
         data=ControllerData.beside(__file__),
         command_inputs=("pose_offset", *FORCE_COMMAND_INPUTS),
         chapter=15,
+        revision=2,
     )
 )

@@ -245,6 +245,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=LINK_SCORING,
         chapter=8.1,
+        revision=2,
         released=True,
     )
 )

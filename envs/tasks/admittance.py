@@ -61,6 +61,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=TARGET_SCORING,
         chapter=13,
+        revision=2,
         released=True,
     )
 )

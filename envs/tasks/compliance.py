@@ -37,6 +37,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=TARGET_SCORING,
         chapter=11,
+        revision=2,
         released=True,
     )
 )

@@ -136,6 +136,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=FORCE_SCORING,
         chapter=15,
+        revision=2,
         released=True,
     )
 )

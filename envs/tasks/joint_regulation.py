@@ -35,6 +35,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=JOINT_SCORING,
         chapter=6.1,
+        revision=2,
         released=True,
     )
 )

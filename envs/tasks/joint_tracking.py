@@ -73,6 +73,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=JOINT_SCORING,
         chapter=6.4,
+        revision=2,
         released=True,
     )
 )

@@ -76,6 +76,7 @@ TASK = register_task(
         numbers=Path(__file__).with_suffix(".toml"),
         scoring=POSE_SCORING,
         chapter=10.1,
+        revision=2,
         released=True,
     )
 )
