@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-
 LAST, SUMMED, AVERAGED = "last", "sum", "mean"
 """What a step over several control periods returns of their values."""
 

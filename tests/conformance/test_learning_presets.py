@@ -184,8 +184,8 @@ def test_errors_of_a_pose_reference_are_those_of_its_joint_trajectory() -> None:
     found = errors_of(env, observation)
     time = np.array([[20 / 50.0]])
     desired = env.task.parts.reference.trajectory.sample(time)[0, 0]
-    truth = env.task.ground_truth_layout.split(env.ground_truth)
-    q, velocity = truth["joint_position"], truth["joint_velocity"]
+    actual = env.task.ground_truth_layout.split(env.ground_truth)
+    q, velocity = actual["joint_position"], actual["joint_velocity"]
     scale = {part.name: np.array(part.scale) for part in read_parts()["arm"]}
     # a pose and its two derivatives, inverted: some dozens of roundings of numbers of order 10
     near = {"rtol": 0, "atol": 1e-9}
@@ -256,7 +256,7 @@ def test_unknown_kind_of_observation_is_refused() -> None:
 
 
 class Still:
-    """A policy without torque."""
+    """A policy of zero actions."""
 
     batched: ClassVar[bool] = True
 
