@@ -13,7 +13,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants fuzz kills clients lint type bench peers docs frames \
-        sweep train compare learn-check clean
+        tune train compare audit learn-check clean
 
 install: $(VENV)/.core
 
@@ -66,8 +66,13 @@ train: $(VENV)/.agents
 compare: $(VENV)/.core
 	$(BIN)/prp-gym compare
 
-sweep: $(VENV)/.dev
-	$(BIN)/python -m bench.sweep_gains
+audit: $(VENV)/.core
+	$(BIN)/prp-gym audit
+
+tune: $(VENV)/.core
+	$(PIP) --editable '.[tune]'
+	$(BIN)/prp-gym tune-all $(TUNE)
+	$(BIN)/prp-gym ship-gains
 
 docs: $(VENV)/.dev
 	$(BIN)/python -m docs.generate

@@ -14,6 +14,7 @@ from prp_gym.baselines.base.policy import Baseline, ControlInterface, StaticBase
 from prp_gym.baselines.base.settings import Settings, Vector
 from prp_gym.baselines.base.spec import CONTROLLERS, ControllerData, ControllerSpec, register_controller
 from prp_gym.baselines.compliance import ComplianceController, ComplianceSettings
+from prp_gym.baselines.force_feedforward import ForceFeedforwardController, ForceFeedforwardSettings
 from prp_gym.baselines.force_inner_position import ForceInnerPositionController, ForceInnerPositionSettings
 from prp_gym.baselines.impedance import ImpedanceController, ImpedanceSettings
 from prp_gym.baselines.joint_inverse_dynamics import (
@@ -27,6 +28,7 @@ from prp_gym.baselines.operational_inverse_dynamics import (
 )
 from prp_gym.baselines.operational_pd import OperationalPDController, OperationalPDSettings
 from prp_gym.baselines.parallel_force_position import ParallelForcePositionController
+from prp_gym.baselines.time_optimal import TimeOptimalController, TimeOptimalSettings
 
 BASELINES = CONTROLLERS
 """The declared controllers by name; the same as `CONTROLLERS`."""
@@ -44,6 +46,8 @@ __all__ = [
     "ControlInterface",
     "ControllerData",
     "ControllerSpec",
+    "ForceFeedforwardController",
+    "ForceFeedforwardSettings",
     "ForceInnerPositionController",
     "ForceInnerPositionSettings",
     "ForceLoopSettings",
@@ -63,6 +67,8 @@ __all__ = [
     "ParallelForcePositionController",
     "Settings",
     "StaticBaseline",
+    "TimeOptimalController",
+    "TimeOptimalSettings",
     "Vector",
     "controller",
     "gain_sets",

@@ -5,16 +5,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from prp_gym.baselines.base.force_sensing import ForceSensingSettings
 from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
 from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
-from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.settings import Vector
 from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.target_model import Displacement, TargetModel
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class AdmittanceSettings(Settings):
+class AdmittanceSettings(ForceSensingSettings):
     """Settings of `AdmittanceController`.
 
     Attributes:
@@ -40,7 +41,7 @@ class AdmittanceSettings(Settings):
         "proportional_gain": Vector("pose", "1/s²"),
         "derivative_gain": Vector("pose", "1/s"),
     }
-    numbers: ClassVar = {"pseudoinverse_damping": "1 (mixed units)"}
+    numbers: ClassVar = {**ForceSensingSettings.numbers, "pseudoinverse_damping": "1 (mixed units)"}
 
 
 class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
@@ -67,17 +68,19 @@ class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
         self.compliant_frame = TargetModel(
             numbers.inertia, numbers.damping, numbers.stiffness, interface.period
         )
+        self._taring = numbers.make_taring(interface.period)
 
     def initial_state(self, observed: Observed) -> ControllerState:
-        """The compliant frame at rest on the desired one; see `Baseline.initial_state`."""
-        return tuple(Displacement.zero(observed["joint_position"].shape[:-1]))
+        """The compliant frame at rest on the desired one, no tare yet; see `Baseline.initial_state`."""
+        shape = observed["joint_position"].shape[:-1]
+        return *Displacement.zero(shape), *self._taring.begin(shape)
 
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""
-        force = observed["contact_force"]
-        h_A = np.concatenate([force, np.zeros(force.shape)], axis=-1)
-        z = Displacement(*state)
         desired, measured = self.desired(observed), self.measured(observed)
+        force, tare = self._taring.step(state[2:], observed["contact_force"], measured.pose[..., :3])
+        h_A = np.concatenate([force, np.zeros(force.shape)], axis=-1)
+        z = Displacement(*state[:2])
         K_P, K_D = self.settings.proportional_gain, self.settings.derivative_gain
         acceleration = (
             desired.acceleration
@@ -87,7 +90,7 @@ class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
         )
         torque = self.resolved_torque(measured, acceleration, self.settings.pseudoinverse_damping)
         after = self.compliant_frame.advance(z, h_A, h_A)
-        return torque + self.contact_torque(measured, force), tuple(after)
+        return torque + self.contact_torque(measured, force), (*after, *tare)
 
 
 register_controller(

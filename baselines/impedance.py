@@ -5,15 +5,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalStaticBaseline
-from prp_gym.baselines.base.policy import Observed
-from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.force_sensing import ForceSensingSettings
+from prp_gym.baselines.base.operational import MEASURED_MOTION, ArmState, OperationalBaseline
+from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.settings import Vector
 from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
-class ImpedanceSettings(Settings):
+class ImpedanceSettings(ForceSensingSettings):
     """Settings of `ImpedanceController`, along the axes of the world and of the Euler angles.
 
     Attributes:
@@ -33,7 +34,7 @@ class ImpedanceSettings(Settings):
     }
 
 
-class ImpedanceController(OperationalStaticBaseline[ImpedanceSettings]):
+class ImpedanceController(OperationalBaseline[ImpedanceSettings]):
     """τ = B y + n + J_Aᵀh_A, y = J_A⁺M_d⁻¹(M_d ẍ_d + K_D (ẋ_d - ẋ) + K_P x̃ - M_d J̇_A q̇ - h_A), x̃ = x_d - x.
 
     n = C q̇ + F_v q̇ + F_s sign(q̇) + g; h_A = (h_e, 0) is the measured force by the tip on the surface. With
@@ -58,10 +59,23 @@ class ImpedanceController(OperationalStaticBaseline[ImpedanceSettings]):
     settings_class = ImpedanceSettings
     rendered = ("inertia", "damping", "stiffness")
 
-    def torque(self, observed: Observed) -> Array:
-        """See the class."""
-        desired, state = self.desired(observed), self.measured(observed)
-        force = observed["contact_force"]
+    def __init__(self, interface: ControlInterface, settings: ImpedanceSettings) -> None:
+        super().__init__(interface, settings)
+        self._taring = self.settings.make_taring(interface.period)
+
+    def initial_state(self, observed: Observed) -> ControllerState:
+        """The memory of the taring; see `Baseline.initial_state`."""
+        return self._taring.begin(observed["joint_position"].shape[:-1])
+
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
+        """See `Baseline.control`."""
+        measured = self.measured(observed)
+        force, tare = self._taring.step(state, observed["contact_force"], measured.pose[..., :3])
+        return self._torque(observed, measured, force), tare
+
+    def _torque(self, observed: Observed, state: ArmState, force: Array) -> Array:
+        """See the class; h_e is the tared force (..., 3) [N]."""
+        desired = self.desired(observed)
         stiffness = self.settings.stiffness * _factor(observed, "stiffness_factor")
         damping = self.settings.damping * np.sqrt(_factor(observed, "stiffness_factor"))
         damping = damping * _factor(observed, "damping_factor")

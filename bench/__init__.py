@@ -1,1 +1,1 @@
-"""Measurements: speed and gain sweeps; run by `make bench` or as `python -m bench.NAME`."""
+"""Measurements of speed; run by `make bench` or as `python -m bench.NAME`."""

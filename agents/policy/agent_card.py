@@ -118,7 +118,7 @@ class Score:
     """Score of an evaluation after training.
 
     Attributes:
-        value: interquartile mean reward over the episodes.
+        value: mean reward over the episodes.
         low: lower end of the 95 % confidence interval of the mean.
         high: upper end of the 95 % confidence interval of the mean.
         episodes: number of evaluation episodes.

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from prp_gym.baselines.base.approach_speed import ApproachSpeed
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot.arrays import Array, dot, norm
 
 Memory = tuple[Array, ...]
+
+_LOST, _NEVER, _TOUCHING = -1.0, 0.0, 1.0  # phases of contact
 
 
 class ForceError(NamedTuple):
@@ -50,6 +52,20 @@ class ForceError(NamedTuple):
         return cls(axis, size, dot(axis, measured)[..., None])
 
 
+class TipMotion(NamedTuple):
+    """The measured motion of the tip, world frame.
+
+    Attributes:
+        position: position of the tip (..., 3) [m].
+        velocity: velocity of the tip (..., 3) [m/s].
+        lag: distance (..., 3) by which the moving tip stays behind its target [m].
+    """
+
+    position: Array
+    velocity: Array
+    lag: Array
+
+
 class RateScaling(NamedTuple):
     """Factors on the rates of a force loop, which an action mode may drive.
 
@@ -83,15 +99,14 @@ class ForceIntegral(ABC):
 
     @abstractmethod
     def step(
-        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
+        self, memory: Memory, error: ForceError, tip: TipMotion, rate_scaling: RateScaling = STEADY
     ) -> tuple[Array, Memory]:
         """One control period.
 
         Args:
             memory: state arrays from `begin` or from the last call.
             error: force error.
-            tip: (..., 3) tip position in the world frame [m].
-            lag: (..., 3) distance by which the moving tip stays behind its target [m].
+            tip: measured motion of the tip.
             rate_scaling: factors on the rates that the gains give.
 
         Returns:
@@ -120,7 +135,7 @@ class FixedGains(ForceIntegral):
         return (np.zeros((*shape, 3)),)
 
     def step(
-        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
+        self, memory: Memory, error: ForceError, tip: TipMotion, rate_scaling: RateScaling = STEADY
     ) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`; the bandwidth is that of the integral, and there is no approach."""
         pull = error.axis * error.value
@@ -131,58 +146,81 @@ class FixedGains(ForceIntegral):
 
 @dataclass(frozen=True)
 class ScheduledGain(ForceIntegral):
-    """ẋ_F = n ω_c e/K̂ in contact, n v before it where a force is desired, and never faster than v.
+    """ẋ_F = n ω_c e_D/K̂ in contact, n v before it where a force is desired; never faster than v(K̂).
 
-    On a surface of stiffness K the error decays as exp(-ω_c K/K̂ t): after the estimate K̂, equally fast on
-    all surfaces. When contact begins, x_F is reduced by the lag of the inner loop in the approach: the tip
-    brakes at once, and the part of x_F that balances a disturbance stays. The force then peaks below
+    e_D is the error e behind a low pass with the time constant D̂/K̂. On a surface of stiffness K and damping D
+    the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
+    Without the low pass a damping above about 2 K/ω_c makes the loop unstable, since the damper passes the
+    speed of the target on to the force at once.
+
+    When contact begins, x_F is reduced by the lag of the inner loop in the approach: the tip brakes at once,
+    and the part of x_F that balances a disturbance stays. The force then peaks below
     f_t + K v (dt + 1/(e ω)), with Euler's number e, an inner loop of double pole -ω, a period dt and the
-    force f_t at which contact is detected; this peak is unavoidable at the approach speed v. There is no
-    proportional part, since K_F e would pass the force sensor's noise on to the torques. The surface is
-    modelled as a spring: its damping D must stay well below K/ω_c.
+    force f_t at which contact is detected; this peak is unavoidable at the approach speed v. Where contact is
+    lost, the target returns at the speed ω_c e/K̂ of contact, and at v_min at least. There is no
+    proportional part, since K_F e would pass the force sensor's noise on to the torques.
 
     Attributes:
         bandwidth: bandwidth ω_c of the force loop in contact [rad/s].
-        approach_speed: largest speed v of the position target [m/s].
+        speed: largest speed v of the position target.
         contact_threshold: force at which contact begins; contact ends at half of it [N]. Half the desired
             force replaces it where that is less.
-        estimator: estimator of the surface stiffness.
+        estimator: estimator of the surface.
     """
 
     bandwidth: float
-    approach_speed: float
+    speed: ApproachSpeed
     contact_threshold: float
     estimator: StiffnessEstimator
 
-    arrays: ClassVar[int] = 3
+    arrays: ClassVar[int] = 4
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
-        """A displacement of zero, no contact, and an estimator without measurements."""
-        return np.zeros((*shape, 3)), np.zeros((*shape, 1)), self.estimator.begin(shape)
+        """A displacement of zero, no contact, no filtered error, and an estimator without measurements."""
+        return (
+            np.zeros((*shape, 3)),
+            np.zeros((*shape, 1)),
+            np.zeros((*shape, 1)),
+            self.estimator.begin(shape),
+        )
 
     def step(
-        self, memory: Memory, error: ForceError, tip: Array, lag: Array, rate_scaling: RateScaling = STEADY
+        self, memory: Memory, error: ForceError, tip: TipMotion, rate_scaling: RateScaling = STEADY
     ) -> tuple[Array, Memory]:
         """See `ForceIntegral.step`."""
-        displacement, touching = memory[0], memory[1] > 0.0
+        displacement, phase = memory[0], memory[1]
+        touching = phase == _TOUCHING
         contact = error.measured > self._threshold(error) * np.where(touching, 0.5, 1.0)
-        ahead = np.maximum(error.along(lag), 0.0)
+        ahead = np.maximum(error.along(tip.lag), 0.0)
         displacement = displacement - np.where(contact & ~touching, error.axis * ahead, 0.0)
         estimate = self.estimator.update(
-            memory[2], error.along(tip)[..., 0], error.measured[..., 0], contact[..., 0]
+            memory[3],
+            error.along(tip.position)[..., 0],
+            error.along(tip.velocity)[..., 0],
+            error.measured[..., 0],
+            contact[..., 0],
         )
-        rate = self._rate(error, contact, self.estimator.stiffness(estimate)[..., None], rate_scaling)
-        after = displacement + self.estimator.period * error.axis * rate
-        return displacement, (after, contact.astype(np.float64), estimate)
+        surface = self.estimator.surface(estimate)
+        stiffness, delay = surface.stiffness[..., None], (surface.damping / surface.stiffness)[..., None]
+        period = self.estimator.period
+        smooth = np.where(contact, memory[2] + period / (period + delay) * (error.value - memory[2]), 0.0)
+        phase = np.where(contact, _TOUCHING, np.where(phase == _NEVER, _NEVER, _LOST))
+        rate = self._rate(error, smooth, phase, stiffness, rate_scaling)
+        after = displacement + period * error.axis * rate
+        return displacement, (after, phase, smooth, estimate)
 
     def _threshold(self, error: ForceError) -> Array:
         half = np.where(error.desired > 0.0, 0.5 * error.desired, np.inf)
         return np.minimum(half, self.contact_threshold)
 
     def _rate(
-        self, error: ForceError, contact: NDArray[np.bool_], stiffness: Array, rate_scaling: RateScaling
+        self, error: ForceError, smooth: Array, phase: Array, stiffness: Array, rate_scaling: RateScaling
     ) -> Array:
         """ẋ_F along the axis (..., 1) [m/s]."""
-        e, v = error.value, self.approach_speed * rate_scaling.approach
-        wanted = self.bandwidth * rate_scaling.bandwidth * e / stiffness
-        return np.where(contact, np.clip(wanted, -v, v), v * (e > 0.0))
+        wanted = self.bandwidth * rate_scaling.bandwidth / stiffness
+        limit = rate_scaling.approach * self.speed.in_contact(error.desired, stiffness)
+        touching = np.clip(wanted * smooth, -limit, limit)
+        first = rate_scaling.approach * self.speed.before_contact(error.desired, self._threshold(error))
+        again = np.minimum(np.maximum(wanted * error.value, self.speed.least), first)
+        free = np.where(phase == _NEVER, first, again) * (error.value > 0.0)
+        return np.where(phase == _TOUCHING, touching, free)

@@ -6,6 +6,7 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
+from prp_gym.baselines.base.approach_speed import ApproachSpeed, FixedSpeed, SpeedForForce, braking_time
 from prp_gym.baselines.base.force_integral import (
     STEADY,
     FixedGains,
@@ -13,11 +14,13 @@ from prp_gym.baselines.base.force_integral import (
     ForceIntegral,
     RateScaling,
     ScheduledGain,
+    TipMotion,
 )
+from prp_gym.baselines.base.force_sensing import ForceSensingSettings
 from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
 from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
 from prp_gym.baselines.base.references import PoseReference
-from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.settings import Vector
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot.arrays import Array
 
@@ -26,7 +29,7 @@ FORCE_COMMAND_INPUTS = ("force_offset", "approach_speed_factor", "bandwidth_fact
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ForceLoopSettings(Settings):
+class ForceLoopSettings(ForceSensingSettings):
     """Settings of a force controller.
 
     Attributes:
@@ -38,7 +41,11 @@ class ForceLoopSettings(Settings):
         stiffness: `fixed` uses constant gains, `estimated` computes the gain from an online estimate of the
             surface stiffness.
         bandwidth: ω_c of the estimated form [rad/s].
-        approach_speed: v of the estimated form, the largest speed of its position target [m/s].
+        approach: `fixed` approaches at `approach_speed`, `from_force` as fast as the desired force allows on
+            the stiffest surface that the task declares.
+        approach_speed: largest speed v_max of the estimated form's position target [m/s].
+        least_approach_speed: least speed v_min of an approach that follows from the force [m/s].
+        approach_factor: η, factor on the speed that follows from the force [1].
         contact_threshold: force from which the estimated form assumes contact [N].
         initial_stiffness: stiffness estimate at the start of every contact, above 0 [N/m].
         forgetting_time: time constant with which the estimate forgets old measurements, above 0 [s].
@@ -51,7 +58,10 @@ class ForceLoopSettings(Settings):
     integral_gain: float
     stiffness: str = "fixed"
     bandwidth: float = 10.0
+    approach: str = "fixed"
     approach_speed: float = 0.03
+    least_approach_speed: float = 0.0
+    approach_factor: float = 1.0
     contact_threshold: float = 0.4
     initial_stiffness: float = 5000.0
     forgetting_time: float = 0.5
@@ -62,22 +72,46 @@ class ForceLoopSettings(Settings):
         "proportional_gain": Vector("pose", "N/m, N·m/rad"),
     }
     numbers: ClassVar = {
+        **ForceSensingSettings.numbers,
         "force_gain": "m/N",
         "integral_gain": "m/(N·s)",
         "bandwidth": "rad/s",
         "approach_speed": "m/s",
+        "least_approach_speed": "m/s",
+        "approach_factor": "1",
         "contact_threshold": "N",
         "initial_stiffness": "N/m",
         "forgetting_time": "s",
     }
-    choices: ClassVar = {"stiffness": ("fixed", "estimated")}
+    choices: ClassVar = {
+        **ForceSensingSettings.choices,
+        "stiffness": ("fixed", "estimated"),
+        "approach": ("fixed", "from_force"),
+    }
 
-    def force_integral(self, period: float) -> ForceIntegral:
-        """The outer loop, at a control period [s]."""
+    def force_integral(self, period: float, greatest_stiffness: float) -> ForceIntegral:
+        """The outer loop.
+
+        Args:
+            period: control period [s].
+            greatest_stiffness: greatest stiffness of a surface; infinite if unknown [N/m].
+        """
         if self.stiffness == "fixed":
             return FixedGains(self.force_gain, self.integral_gain, period)
-        estimator = StiffnessEstimator(self.initial_stiffness, self.forgetting_time, period)
-        return ScheduledGain(self.bandwidth, self.approach_speed, self.contact_threshold, estimator)
+        guess = min(self.initial_stiffness, greatest_stiffness)
+        estimator = StiffnessEstimator(guess, self.forgetting_time, period)
+        speed = self._speed(period, greatest_stiffness)
+        return ScheduledGain(self.bandwidth, speed, self.contact_threshold, estimator)
+
+    def _speed(self, period: float, greatest_stiffness: float) -> ApproachSpeed:
+        """The speed of the target; the inner loop's slowest axis of translation limits it."""
+        if self.approach == "fixed":
+            return FixedSpeed(self.approach_speed, self.approach_speed)
+        largest = self.approach_speed
+        least = min(self.least_approach_speed, largest)
+        gain, inertia = self.proportional_gain[:3], self.inertia[:3]
+        delay = max(braking_time(period, *axis) for axis in zip(gain, inertia, strict=True))
+        return SpeedForForce(greatest_stiffness, delay, least, largest, self.approach_factor)
 
 
 SettingsT = TypeVar("SettingsT", bound=ForceLoopSettings)
@@ -101,11 +135,13 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
         super().__init__(interface, settings)
-        self._integral = self.settings.force_integral(interface.period)
+        self._integral = self.settings.force_integral(interface.period, interface.greatest_stiffness)
+        self._taring = self.settings.make_taring(interface.period)
 
     def initial_state(self, observed: Observed) -> ControllerState:
-        """A displacement of zero and no estimate yet; see `Baseline.initial_state`."""
-        return self._integral.begin(observed["joint_position"].shape[:-1])
+        """A displacement of zero, no estimate and no tare yet; see `Baseline.initial_state`."""
+        shape = observed["joint_position"].shape[:-1]
+        return *self._integral.begin(shape), *self._taring.begin(shape)
 
     @abstractmethod
     def base_motion(self, observed: Observed, state: ControllerState, error: ForceError) -> PoseReference:
@@ -119,22 +155,22 @@ class ForceLoop(OperationalBaseline[SettingsT]):
 
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""
-        measured, force = self.measured(observed), observed["contact_force"]
+        measured, count = self.measured(observed), self._integral.arrays
+        tared = count + self._taring.arrays
+        force, tare = self._taring.step(state[count:tared], observed["contact_force"], measured.pose[..., :3])
         desired = observed.get("desired_force", np.zeros(force.shape)) + observed.get("force_offset", 0.0)
         error = ForceError.of(desired, force)
         base = self.base_motion(observed, state, error)
         M_d, K_D, K_P = self.settings.inertia, self.settings.derivative_gain, self.settings.proportional_gain
         braking = K_D * (base.velocity - measured.velocity)
         lag = np.divide(-braking, K_P, out=np.zeros(braking.shape), where=K_P > 0.0)
-        count = self._integral.arrays
-        x_F, memory = self._integral.step(
-            state[:count], error, measured.pose[..., :3], lag[..., :3], _rate_scaling(observed)
-        )
+        tip = TipMotion(measured.pose[..., :3], measured.velocity[..., :3], lag[..., :3])
+        x_F, memory = self._integral.step(state[:count], error, tip, _rate_scaling(observed))
         position_error = base.pose - measured.pose
         position_error[..., :3] += x_F
         effort = braking + K_P * position_error
         torque = self.resolved_torque(measured, base.acceleration + effort / M_d)
-        return torque + self.contact_torque(measured, force), memory + state[count:]
+        return torque + self.contact_torque(measured, force), (*memory, *tare, *state[tared:])
 
 
 def _rate_scaling(observed: Observed) -> RateScaling:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from prp_gym.tasks.registration import list_envs
 Gains = str | Path | Mapping[str, Any]
 """A set's name, settings by name, or a TOML file of settings by name."""
 
-SOURCE, MINIMUM_FREQUENCY = "source", "minimum_frequency"
+SOURCE, MINIMUM_FREQUENCY, TARGET_FACTOR = "source", "minimum_frequency", "target_factor"
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,12 +26,15 @@ class GainSet:
         values: settings by name.
         minimum_frequency: control frequency below which the gains are unstable [Hz].
         file: path of the user's file of gains; None for a gain set of the suite.
+        target_factor: factors on the task's target impedance, by the settings that take it, one number or
+            one for each axis; 1 for a setting that is missing.
     """
 
     label: str
     values: Mapping[str, Any]
     minimum_frequency: float = 0.0
     file: Path | None = None
+    target_factor: Mapping[str, Any] = field(default_factory=dict)
 
 
 def gain_sets(controller: str | ControllerSpec) -> tuple[str, ...]:
@@ -125,18 +128,23 @@ def _require_known(controller: ControllerSpec, content: Mapping[str, Any]) -> No
 def _gain_set(label: str, content: Mapping[str, Any], environment_id: str, file: Path | None) -> GainSet:
     values = _on(environment_id, content)
     values.pop(SOURCE, None)
+    factor: Mapping[str, Any] = values.pop(TARGET_FACTOR, {})
     least = values.pop(MINIMUM_FREQUENCY, 0.0)
     try:
         frequency = float(finite(MINIMUM_FREQUENCY, least, "Hz"))
     except (PRPError, TypeError):  # no number, not a finite one, or several
         raise InvalidValueError(MINIMUM_FREQUENCY, least, "a finite number", "Hz") from None
-    return GainSet(label, values, frequency, file)
+    return GainSet(label, values, frequency, file, factor)
 
 
 def _on(environment_id: str, content: Mapping[str, Any]) -> dict[str, Any]:
     """The common values, with an environment's own in their place where it has some."""
     own: Mapping[str, Any] = content.get(environment_id, {})
-    common = {key: value for key, value in content.items() if not isinstance(value, Mapping)}
+    common = {
+        key: value
+        for key, value in content.items()
+        if key == TARGET_FACTOR or not isinstance(value, Mapping)  # which are those of environments
+    }
     try:
         return deepcopy({**common, **own})
     except Exception as error:  # objects that cannot be copied are no settings

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from prp_gym.baselines.base.gains import Gains, GainSet, other_sets, read_gains, takes_target_impedance
 from prp_gym.baselines.base.policy import Baseline, ControlInterface
 from prp_gym.baselines.base.settings import Settings
@@ -64,7 +66,8 @@ def make_controller(
     spec = find_controller(controller)
     chosen = read_gains(spec, gains, interface.environment_id)
     _require_frequency(spec, chosen, 1.0 / interface.period, other_sets(spec, gains), overrides)
-    requested = _target_impedance(spec, interface) if takes_target_impedance(spec, gains) else {}
+    takes = takes_target_impedance(spec, gains)
+    requested = _target_impedance(spec, interface, chosen.target_factor) if takes else {}
     settings = _make_settings(spec, chosen, {**chosen.values, **requested}, overrides)
     try:
         return spec.policy(interface, settings)
@@ -76,8 +79,8 @@ def _require_frequency(
     spec: ControllerSpec, chosen: GainSet, frequency: float, others: str, overrides: Mapping[str, Any]
 ) -> None:
     """Refuse gains that are unstable at a control frequency [Hz], unless all of them are overridden."""
-    frequency = round(frequency, 6)
-    if frequency < chosen.minimum_frequency and not set(spec.settings_class.vectors) <= set(overrides):
+    frequency, gains = round(frequency, 6), set(spec.settings_class.vectors) & set(chosen.values)
+    if frequency < chosen.minimum_frequency and not gains <= set(overrides):
         raise InvalidValueError(
             "control_frequency",
             frequency,
@@ -87,10 +90,16 @@ def _require_frequency(
         )
 
 
-def _target_impedance(spec: ControllerSpec, interface: ControlInterface) -> dict[str, Any]:
-    """The target impedance of the task, by the names of the settings that render it."""
+def _target_impedance(
+    spec: ControllerSpec, interface: ControlInterface, factor: Mapping[str, Any]
+) -> dict[str, Any]:
+    """The target impedance of the task times the factors of the gains, by the settings that render it."""
     target = interface.target_impedance
-    return {name: target[name] for name in spec.policy.rendered if name in target}
+    return {
+        name: target[name] * np.asarray(factor.get(name, 1.0))
+        for name in spec.policy.rendered
+        if name in target
+    }
 
 
 def _make_settings(

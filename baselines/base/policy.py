@@ -1,5 +1,6 @@
 """`Baseline`: a classical controller as a policy with Stable-Baselines3's `predict` protocol."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -41,6 +42,8 @@ class ControlInterface:
         model: nominal robot, which may differ from the plant.
         target_impedance: target impedance of the task, by the names of settings: axes (6) of `inertia`,
             `damping` and `stiffness`; empty for a task that specifies none.
+        greatest_stiffness: greatest stiffness of a surface that the task declares; infinite for a task that
+            declares none [N/m].
     """
 
     environment_id: str
@@ -49,6 +52,7 @@ class ControlInterface:
     period: float
     model: Model
     target_impedance: Mapping[str, Array] = field(default_factory=dict)
+    greatest_stiffness: float = math.inf
 
     @classmethod
     def of(cls, env: Any) -> Self:
@@ -80,7 +84,15 @@ class ControlInterface:
             torque_limit: joint torques at action 1 (joints) [N m, N, N m].
             period: control period [s].
         """
-        return cls(task.environment_id, task.layout, torque_limit, period, task.model, task.target_impedance)
+        return cls(
+            task.environment_id,
+            task.layout,
+            torque_limit,
+            period,
+            task.model,
+            task.target_impedance,
+            task.greatest_stiffness,
+        )
 
     def model_with(self, parameters: Any) -> Model:
         """The same robot with other parameters, or the nominal one for None.

@@ -18,6 +18,7 @@ TUNED = "tuned"
 """The gain set that is used unless another one is named."""
 
 _TABLES = ("gains", "search")
+_INTENDED = "intended"
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,10 @@ class ControllerData:
 
     `[gains.<set>]` holds settings by name with their `source` and, where needed, the `minimum_frequency` [Hz]
     of control below which the set is refused; `[gains.<set>."<environment id>"]` holds the values that differ
-    on one environment. `[search.<parameter>]` is a parameter of tuning, a factor on the settings of the set
-    `tuned`; `prp_gym.tuning.search_space` explains its rows. The suite's own sets are called
+    on one environment; there `target_factor.<setting>` multiplies the target impedance of the task, in a set
+    that takes it. `[search.<parameter>]` is a parameter of tuning, a factor on the settings of the set
+    `tuned`; `prp_gym.tuning.search_space` explains its rows. `intended` lists the ids of the environments for
+    which the controller is meant, where its gains are searched. The suite's own sets are called
 
     - `report`: as the report prints them;
     - `figures`: as the report's author ran them, where its figures show other gains than its text;
@@ -70,6 +73,15 @@ class ControllerData:
             GainsFileError: a file that is missing, or not of this layout.
         """
         return self._table("search")
+
+    @property
+    def intended(self) -> tuple[str, ...]:
+        """Ids of the environments for which the controller is meant; none without a file.
+
+        Raises:
+            GainsFileError: a file that is missing, or not of this layout.
+        """
+        return () if self.file is None else tuple(_tables(self.file).get(_INTENDED, ()))
 
     def _table(self, name: str) -> Mapping[str, Mapping[str, Any]]:
         tables: Mapping[str, Any] = {} if self.file is None else _tables(self.file)
@@ -165,6 +177,10 @@ def _tables(file: Path) -> Mapping[str, Any]:
     """The tables of a controller's data file, each with tables alone."""
     tables = read_toml(file)
     for name, table in tables.items():
+        if name == _INTENDED:
+            if not isinstance(table, list) or not all(isinstance(item, str) for item in table):
+                raise GainsFileError(file, f"{name!r} must be a list of environment ids")
+            continue
         if name not in _TABLES:
             raise GainsFileError(file, f"unknown table {name!r}; allowed: {', '.join(_TABLES)}")
         if not isinstance(table, dict) or not all(isinstance(row, dict) for row in table.values()):

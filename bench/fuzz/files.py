@@ -143,8 +143,8 @@ def _prepare_files(folder: Path) -> Prepared:
     for suffix in (".json", ".safetensors"):
         path = stem.with_suffix(suffix)
         add(path, path, lambda path: prp_gym.load_agent(path).predict(np.zeros(5))[0])
-    tuned = next((_ROOT / "baselines" / "equal_budget").glob("PRP-Adaptive*.json"))
-    add(folder / "tuned.json", tuned, lambda path: load_tuned_controller(path).make(env))
+    for tuned in sorted((_ROOT / "baselines" / "searches").glob("PRP-Adaptive*.json"))[:1]:
+        add(folder / "tuned.json", tuned, lambda path: load_tuned_controller(path).make(env))
     gains = folder / "gains.toml"
     gains.write_text("source = 'here'\nstiffness = 9.0\ndamping = [1.0]\nminimum_frequency = 100\n")
     add(gains, gains, lambda path: prp_gym.make_baseline("joint_pd", env, gains=path))

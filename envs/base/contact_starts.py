@@ -136,6 +136,9 @@ class ContactStarts(StartSampler[ContactStart]):
         self._path = path
         self._force = force or NoForce()
         self._kept = kept
+        given = setup.options.surface_stiffness
+        drawn = float(setup.ranges["surface_stiffness"].high[0])
+        self.greatest_stiffness = drawn if given is None else given
         self.reset_options = {**ARM_OPTIONS, **SURFACE_OPTIONS, **self._force.reset_options}
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:

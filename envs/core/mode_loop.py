@@ -1,5 +1,6 @@
 """An episode loop whose torques come from an inner controller that receives the actions."""
 
+import time
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -95,6 +96,18 @@ class ModeLoop(EpisodeLoop):
             outcome = self._continued(outcome, held, waiting)
             terminated |= outcome.terminated & ~waiting
         return outcome._replace(observation=outcome.observation.copy(), terminated=terminated)
+
+    def inner_time(self) -> float:
+        """How long the inner controller computes for one action of the first environment [s].
+
+        Measured now, apart from a step: for one period, as at the start of an episode, times the periods
+        over which an action is held.
+        """
+        action = np.zeros((1, self.action_size))
+        observation, start = self._observation[:1], np.ones(1, dtype=np.bool_)
+        before = time.perf_counter()
+        self._mode.torque(action, observation, None, start)
+        return self._periods * (time.perf_counter() - before)
 
     def _period(self, action: Array, waiting: NDArray[np.bool_]) -> Step:
         """Advance by one period of the inner controller; its reward counts by its share of the step."""

@@ -27,7 +27,7 @@ def compose(setup: TaskSetup) -> TaskParts:
     starts = ContactStarts(setup, world, hold_start, NormalForce(setup.options))
     starts.reset_options = {k: v for k, v in starts.reset_options.items() if k != "goal"}
     reference = ForceAndPoseReference(world.arm)
-    return TaskParts(world, starts, reference, ForceErrors(observed_layout(world, reference)))
+    return TaskParts(world, starts, reference, ForceErrors(setup, observed_layout(world, reference)))
 
 
 TASK = register_task(

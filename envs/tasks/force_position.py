@@ -120,7 +120,7 @@ def compose(setup: TaskSetup) -> TaskParts:
     sampler = HomeStarts if start == "home" else ContactStarts
     starts = sampler(setup, world, partial(_along_surface, world.arm), NormalForce(setup.options))
     reference = ForceAndPoseReference(world.arm)
-    return TaskParts(world, starts, reference, ForceErrors(observed_layout(world, reference)))
+    return TaskParts(world, starts, reference, ForceErrors(setup, observed_layout(world, reference)))
 
 
 def _along_surface(arm: PRPArm, start: Array, waypoints: Array, intervals: Array) -> Trajectory:

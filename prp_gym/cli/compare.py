@@ -25,12 +25,14 @@ from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
 from prp_gym.comparison.table import (
     aggregate_table,
     audit_table,
+    condition_scores,
     condition_table,
     effort_table,
     pairwise_table,
     spread_table,
 )
 from prp_gym.evaluation.evaluate import check_protocol
+from prp_gym.evaluation.table import SCORE_NOTE
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
@@ -108,10 +110,11 @@ def _show(outcome: Outcome, run: Run) -> None:
     """Print the tables, with notes that explain them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     for condition in outcome.conditions:
+        console.print(condition_scores(condition, outcome.seed))
         console.print(condition_table(condition, outcome.seed))
     notes = [
-        "score: interquartile mean over episodes, and training seeds, of the mean reward, 1 is perfect; its "
-        "95 % interval is over both. Other figures are medians."
+        "score: mean over episodes, and training seeds, of the mean reward of a step, 1 is perfect; its 95 % interval "
+        f"is over both. {SCORE_NOTE}"
     ]
     if outcome.spread:
         console.print(spread_table(outcome.conditions))
@@ -127,8 +130,8 @@ def _show(outcome: Outcome, run: Run) -> None:
     if outcome.efforts:
         console.print(effort_table(outcome.efforts))
         notes.append(
-            "learning effort: medians over training seeds, from the scores that training or tuning itself "
-            "has measured, in the scenario named; violations: in the whole training."
+            "learning effort: medians over training seeds, from the mean scores that training or tuning "
+            "itself has measured, in the scenario named; violations: in the whole training."
         )
     if outcome.audits:
         console.print(audit_table(outcome.audits))

@@ -1,9 +1,8 @@
 """The command `prp-gym evaluate`."""
 
-import itertools
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.table import Table
@@ -21,9 +20,10 @@ from prp_gym.cli.options import (
 )
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.scoring import scoring_of
-from prp_gym.evaluation.table import Row, evaluation_table
+from prp_gym.evaluation.table import SCORE_NOTE, Row, best_floor, evaluation_table, ranked, score_table
 from prp_gym.runs.choice import TUNED, GainsChoice
-from prp_gym.runs.evaluation_job import list_jobs
+from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
+from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
@@ -62,10 +62,12 @@ def evaluate_command(
         selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
     )
     selected.check_used(listed)
+    floors = list_floors(selected.conditions, control_frequency, episodes, seed)
+    jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
     run = Run(output, workers, selected.controllers, fresh)
-    with run.hold(listed):
-        records = run.records(listed, "evaluating")
-        run.write(listed, records, {})
+    with run.hold(jobs_to_run):
+        records = run.records(jobs_to_run, "evaluating")
+        run.write(jobs_to_run, records, {"ranking": _ranking(records)})
     _show(records, run)
 
 
@@ -74,38 +76,60 @@ def _show(records: list[Record], run: Run) -> None:
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
     for table in (*_tables(records), *_scores(records)):
         console.print(table)
-    console.print(
-        "score: interquartile mean over episodes of the mean reward, 1 is perfect; other figures are medians."
-    )
+    console.print(f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}")
     if run.busy:
         console.print("compute time: measured beside other work; for undisturbed times choose --jobs 1.")
     console.print(f"results: {run.results}", highlight=False)
 
 
+def _conditions(records: list[Record]) -> Iterator[tuple[str, str, list[Row]]]:
+    """Environment, scenario and rows of each condition, in the order of the records."""
+    keys = dict.fromkeys((record["environment"], record["scenario"]) for record in records)
+    for environment_id, scenario in keys:
+        own = [r for r in records if (r["environment"], r["scenario"]) == (environment_id, scenario)]
+        yield environment_id, scenario, [Row.of(record) for record in own]
+
+
 def _tables(records: list[Record]) -> Iterator[Table]:
-    """A table for each condition, in the order of the records."""
-    for (environment_id, scenario), own in itertools.groupby(
-        records, lambda record: (record["environment"], record["scenario"])
-    ):
-        rows = [Row.of(record) for record in own]
-        columns = scoring_of(environment_id).columns
-        yield evaluation_table(f"{environment_id}, scenario {scenario}", rows, columns)
+    """Two tables for each condition: scores and failures, and the medians of the metrics."""
+    for environment_id, scenario, rows in _conditions(records):
+        title = f"{environment_id}, scenario {scenario}"
+        yield score_table(f"{title}: scores", rows)
+        yield evaluation_table(title, rows, scoring_of(environment_id).columns)
+
+
+def _ranking(records: list[Record]) -> list[dict[str, Any]]:
+    """The controllers of each condition by their scores, best first, with their skill over the best floor."""
+    return [
+        {
+            "environment": environment_id,
+            "scenario": scenario,
+            "baseline": row.baseline,
+            "floor": row.floor,
+            "score": row.score.value,
+            "skill": row.summary.skill(best_floor(rows)),
+        }
+        for environment_id, scenario, rows in _conditions(records)
+        for row in ranked(rows)
+    ]
 
 
 def _scores(records: list[Record]) -> list[Table]:
     """The scores alone, a table for each scenario; none where there is one environment only."""
-    controllers = list(dict.fromkeys(record["baseline"] for record in records))
-    scores = {(r["scenario"], r["environment"], r["baseline"]): r["score"]["value"] for r in records}
-    ids = list(dict.fromkeys(record["environment"] for record in records))
+    conditions = list(_conditions(records))
+    ids = list(dict.fromkeys(environment_id for environment_id, _, _ in conditions))
     if len(ids) == 1:
         return []
+    names = list(dict.fromkeys(row.name for _, _, rows in conditions for row in rows))
     tables: list[Table] = []
-    for scenario in dict.fromkeys(record["scenario"] for record in records):
-        rows = []
-        for environment_id in ids:
-            own = [scores.get((scenario, environment_id, controller)) for controller in controllers]
-            best = max(value for value in own if value is not None)
-            cells = ["-" if v is None else f"{v:.3f}" + ("*" if v == best else " ") for v in own]
-            rows.append((environment_id, cells))
-        tables += make_matrix(f"score, scenario {scenario} (* best)", controllers, rows)
+    for scenario in dict.fromkeys(scenario for _, scenario, _ in conditions):
+        lines = [(own, _cells(names, rows)) for own, other, rows in conditions if other == scenario]
+        tables += make_matrix(f"score, scenario {scenario} (* best)", names, lines)
     return tables
+
+
+def _cells(names: list[str], rows: list[Row]) -> list[str]:
+    """The score of each name, with an asterisk at the best controller."""
+    values = {row.name: row.score.value for row in rows}
+    best = ranked(rows)[0].name
+    return [f"{values[name]:.3f}{'*' if name == best else ' '}" if name in values else "-" for name in names]

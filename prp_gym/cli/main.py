@@ -6,14 +6,17 @@ from typing import Annotated
 
 import typer
 
+from prp_gym.cli.audit import audit_command
 from prp_gym.cli.compare import compare_command
 from prp_gym.cli.evaluate import evaluate_command
 from prp_gym.cli.export import export_command
 from prp_gym.cli.listing import list_command
 from prp_gym.cli.reproduce import reproduce_command
 from prp_gym.cli.ship import ship_command
+from prp_gym.cli.ship_gains import ship_gains_command
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
+from prp_gym.cli.tune_all import tune_all_command
 from prp_gym.cli.zoo import zoo_command
 from prp_gym.errors import PRPError
 from prp_gym.processes.interruption import Interruption, interruptible
@@ -45,13 +48,16 @@ def common(
     """Gymnasium environments and classical baselines for the PRP arm."""
 
 
+app.command("audit")(audit_command)
 app.command("compare")(compare_command)
 app.command("evaluate")(evaluate_command)
 app.command("export")(export_command)
 app.command("list")(list_command)
 app.command("reproduce")(reproduce_command)
 app.command("ship")(ship_command)
+app.command("ship-gains")(ship_gains_command)
 app.command("tune")(tune_command)
+app.command("tune-all")(tune_all_command)
 app.command("train")(train_command)
 app.command("zoo")(zoo_command)
 

@@ -237,5 +237,5 @@ def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None
     console = make_console(least=TABLE_WIDTH)
     console.print(table)
     console.print(
-        "score: interquartile mean over episodes of the mean reward with its 95 % interval, 1 is perfect."
+        "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
     )

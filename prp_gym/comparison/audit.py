@@ -1,100 +1,164 @@
-"""Whether the reward ranks policies as the physical error of the task does."""
+"""Whether the reward ranks policies as control engineers would, by criteria that are not its own signals."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.comparison.rank import rank_correlation, resampled_correlations
-from prp_gym.comparison.task_error import physical_errors
-from prp_gym.comparison.values import Condition
+from prp_gym.comparison.values import Condition, Entry
 from prp_gym.evaluation.resampling import cut_tails
 from prp_gym.evaluation.scoring import scoring_of
-from prp_gym.evaluation.statistics import Estimate, interquartile_mean
+from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.spec import TaskError
+from prp_gym.tasks.spec import Criterion
 
 LEAST_CORRELATION = 0.8
-"""Rank correlation below which a reward is flagged."""
+"""Rank correlation below which the reward contradicts a criterion."""
+
+LEAST_POLICIES = 40
+"""Number of policies from which an audit says something."""
+
+REPORTED = ("excess_energy", "energy")
+"""Metrics whose correlation is shown for information: a task may be worth its energy."""
 
 _CONFIDENCE = 0.95
 _RESAMPLES = 500  # about a dozen of them lie beyond each end of the interval
+_BEST = 0.1  # share of the policies that must not be bad by any criterion
 
 _Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
+class Finding:
+    """Score against one criterion over many policies.
+
+    Attributes:
+        metric: metric of the criterion.
+        correlation: Spearman's rank correlation between the score and the smallness of the metric; 1 if both
+            rank the policies alike. Its 95 % interval is over the episodes, for these policies.
+        values: mean of the metric for each policy, over episodes.
+        offenders: policies in the best tenth by score that are in the worse half by the criterion.
+        required: whether the correlation must be high; else it is shown for information.
+    """
+
+    metric: str
+    correlation: Estimate
+    values: tuple[float, ...]
+    offenders: tuple[str, ...]
+    required: bool
+
+    @property
+    def holds(self) -> bool:
+        """Whether the score agrees with the criterion."""
+        return not self.required or (self.correlation.value > LEAST_CORRELATION and not self.offenders)
+
+
+@dataclass(frozen=True)
 class Audit:
-    """Reward against physical error under one condition.
+    """Score against the criteria of a task, under one condition.
 
     Attributes:
         environment_id: id of the environment.
         scenario: name of the scenario.
-        physical_error: name of the task's physical error.
-        reason: why this error measures success in the task.
-        policies: score and physical error by the name of the policy.
-        correlation: Spearman's rank correlation between the score and the smallness of the error; 1 if both
-            rank the policies alike. Its 95 % interval is over the episodes, for these policies.
+        policies: names of the policies.
+        scores: mean score of each policy.
+        findings: one for each criterion of the task, and for the metrics shown for information.
     """
 
     environment_id: str
     scenario: str
-    physical_error: str
-    reason: str
-    policies: Mapping[str, tuple[float, float]]
-    correlation: Estimate
+    policies: tuple[str, ...]
+    scores: tuple[float, ...]
+    findings: tuple[Finding, ...]
 
     @property
-    def flagged(self) -> bool:
-        """Whether the correlation is too low or undefined."""
-        return not self.correlation.value >= LEAST_CORRELATION
+    def holds(self) -> bool:
+        """Whether the score agrees with every criterion, over sufficiently many policies."""
+        return len(self.policies) >= LEAST_POLICIES and all(item.holds for item in self.findings)
+
+    def to_plain(self) -> dict[str, Any]:
+        """The audit as plain values."""
+        findings = [
+            {**vars(item), "correlation": item.correlation._asdict(), "holds": item.holds}
+            for item in self.findings
+        ]
+        return {**vars(self), "findings": findings, "holds": self.holds}
 
 
 def audit_rewards(conditions: Iterable[Condition], seed: int) -> list[Audit]:
-    """An audit of every condition over all its policies, including those with low scores.
+    """An audit of every condition over all its policies, good and bad.
 
-    Conditions of a task that declares no physical error are left out.
+    Conditions of a task that declares no criteria are left out, and so are criteria that are undefined there.
 
     Args:
         conditions: environments and scenarios with their policies.
         seed: random seed of the bootstrap.
     """
-    audits = []
-    for condition in conditions:
-        error = scoring_of(condition.environment_id).error
-        if error is not None:
-            audits.append(_audit(condition, error, seed))
-    return audits
+    return [
+        _audit(condition, seed) for condition in conditions if scoring_of(condition.environment_id).criteria
+    ]
 
 
-def _audit(condition: Condition, task_error: TaskError, seed: int) -> Audit:
+def criterion_values(entry: Entry, criterion: Criterion) -> Array:
+    """What counts of a criterion in every episode of a policy.
+
+    Args:
+        entry: a policy under a condition.
+        criterion: criterion that the task of the environment declares.
+
+    Returns:
+        (rows, evaluation seeds), in the unit of the metric; NaN where the metric is undefined.
+    """
+    found = entry.metrics[criterion.metric][..., 0]
+    failed = (entry.metrics["unsettled"][..., 0] > 0.0) & ~np.isnan(found)
+    values: Array = np.where(failed, criterion.worst, np.minimum(found, criterion.worst))
+    return values
+
+
+def _audit(condition: Condition, seed: int) -> Audit:
     episodes = len(condition.seeds)
-    every = np.arange(episodes, dtype=np.int64)[None]
     drawn = np.random.default_rng(seed).integers(episodes, size=(_RESAMPLES, episodes))
-    scores, errors = _aggregate(condition, task_error, every)
-    value = rank_correlation(scores[0], -errors[0])
-    drawn_scores, drawn_errors = _aggregate(condition, task_error, drawn)
-    found = resampled_correlations(drawn_scores, -drawn_errors)
-    low, high = cut_tails(found, _CONFIDENCE) if len(found) else (np.nan, np.nan)
-    both = zip(scores[0].tolist(), errors[0].tolist(), strict=True)
+    scores = np.stack([entry.scores.mean(axis=0) for entry in condition.entries])
+    names = tuple(entry.policy for entry in condition.entries)
+    findings = []
+    for metric, values in _criteria(condition).items():
+        required = metric not in REPORTED
+        findings.append(_finding(metric, scores, values, drawn, names, required))
     return Audit(
-        environment_id=condition.environment_id,
-        scenario=condition.scenario,
-        physical_error=task_error.name,
-        reason=task_error.reason,
-        policies=dict(zip([entry.policy for entry in condition.entries], both, strict=True)),
-        correlation=Estimate(value, float(low), float(high)),
+        condition.environment_id,
+        condition.scenario,
+        names,
+        tuple(scores.mean(axis=1).tolist()),
+        tuple(findings),
     )
 
 
-def _aggregate(condition: Condition, task_error: TaskError, drawn: _Indices) -> tuple[Array, Array]:
-    """Score and error of every policy over drawn episodes (resamples, n), each (resamples, policies)."""
-    scores = [_mean(entry.scores, drawn) for entry in condition.entries]
-    errors = [_mean(physical_errors(entry, task_error), drawn) for entry in condition.entries]
-    return np.stack(scores, axis=-1), np.stack(errors, axis=-1)
+def _criteria(condition: Condition) -> Mapping[str, Array]:
+    """Every criterion that is defined under a condition, (policies, evaluation seeds)."""
+    found = {}
+    for criterion in scoring_of(condition.environment_id).criteria:
+        if all(criterion.metric in entry.metrics for entry in condition.entries):
+            rows = [criterion_values(entry, criterion).mean(axis=0) for entry in condition.entries]
+            found[criterion.metric] = np.stack(rows)
+    for metric in REPORTED:
+        found[metric] = np.stack([entry.metrics[metric][..., 0].mean(axis=0) for entry in condition.entries])
+    return {metric: values for metric, values in found.items() if not np.isnan(values).all()}
 
 
-def _mean(values: Array, drawn: _Indices) -> Array:
-    """Interquartile mean over all rows of the drawn columns: (rows, m), (resamples, n) -> (resamples)."""
-    return interquartile_mean(np.concatenate(values[:, drawn], axis=-1))
+def _finding(
+    metric: str, scores: Array, values: Array, drawn: _Indices, names: tuple[str, ...], required: bool
+) -> Finding:
+    """Scores against values, each (policies, evaluation seeds)."""
+    with np.errstate(invalid="ignore"):
+        means = np.nanmean(values, axis=1)
+        resampled = np.nanmean(values[:, drawn], axis=2).T
+    every = scores.mean(axis=1)
+    found = resampled_correlations(scores[:, drawn].mean(axis=2).T, -resampled)
+    low, high = cut_tails(found, _CONFIDENCE) if len(found) else (np.nan, np.nan)
+    value = Estimate(rank_correlation(every, -means), float(low), float(high))
+    best = np.argsort(-every, kind="stable")[: max(1, round(_BEST * len(every)))]
+    offenders = tuple(names[index] for index in best if means[index] > np.median(means))
+    return Finding(metric, value, tuple(means.tolist()), offenders if required else (), required)

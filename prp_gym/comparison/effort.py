@@ -1,7 +1,8 @@
 """Learning effort: training or tuning until a policy is as good as the best controller, and its violations.
 
-Histories are those of training or tuning, on episodes and in a scenario of their own. The score to be reached
-is that of the best controller in the same scenario.
+Histories are those of training or tuning: means over episodes of their own scenario. The score to be reached
+is the same measure of the best controller, its mean over the evaluation episodes of that scenario; both
+estimate the expected score.
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from prp_gym.comparison.statistics import best_of, score_of
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, Condition, Entry, History
+from prp_gym.comparison.values import AGENT, CONTROLLER, Condition, Entry, History
 
 _MINUTE = 60.0  # s
 
@@ -56,8 +57,8 @@ class Effort:
         environment_id: id of the environment.
         scenario: scenario in which the policy was trained or tuned.
         policy: name of the policy.
-        kind: kind of the policy, `agent` or `budget`.
-        goal: score of the best controller in that scenario [1].
+        kind: kind of the policy, `agent` or `controller`.
+        goal: mean score of the best controller in that scenario [1].
         best: median over training seeds of the highest score of each history [1].
         members: number of training seeds.
         reached: number of training seeds that reached the goal.
@@ -81,7 +82,7 @@ class Effort:
 
 
 def learning_efforts(conditions: Sequence[Condition]) -> list[Effort]:
-    """Learning efforts of all agents and equal-budget controllers, each once.
+    """Learning efforts of all agents and tuned controllers, each once for every scenario of its training.
 
     A policy that learned in a scenario for which no controller is compared has no goal and is left out.
 
@@ -90,16 +91,16 @@ def learning_efforts(conditions: Sequence[Condition]) -> list[Effort]:
     """
     goals = {}
     for condition in conditions:
-        controllers = condition.of_kind(*CLASSICAL)
+        controllers = condition.of_kind(CONTROLLER)
         if controllers:
             goals[condition.environment_id, condition.scenario] = score_of(best_of(controllers))
     efforts = {}
     for condition in conditions:
-        for entry in condition.of_kind(AGENT, BUDGET):
+        for entry in condition.of_kind(AGENT, CONTROLLER):
             scenario = entry.histories[0].scenario if entry.histories else ""
             if (condition.environment_id, scenario) in goals:
                 goal = goals[condition.environment_id, scenario]
-                efforts[condition.environment_id, entry.policy] = _effort(
+                efforts[condition.environment_id, scenario, entry.policy] = _effort(
                     condition.environment_id, entry, goal
                 )
     return list(efforts.values())

@@ -1,28 +1,27 @@
-"""Jobs of a comparison: controllers, the same at equal budget or with other gains, agents, zero torque."""
+"""Jobs of a comparison: controllers, the same with other gains, agents, floors."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.artifacts import to_plain
-from prp_gym.baselines import CONTROLLERS
 from prp_gym.comparison.agents import AgentFile, agent_revision, digest, learning_history
-from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, VARIED, ZERO
+from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, VARIED
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import evaluate
 from prp_gym.evaluation.rollout import Policy
-from prp_gym.runs.choice import GainsChoice
+from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers, gain_sets_of
 from prp_gym.runs.evaluation_job import EvaluationJob, make_environment
+from prp_gym.runs.floor_job import FloorJob
 from prp_gym.runs.job import Record, make_record
 from prp_gym.tuning import TunedController, list_tuned_controllers, load_tuned_controller
 
@@ -31,33 +30,7 @@ UNTRAINED = -1
 """Training seed of a policy that is not trained."""
 
 
-class ZeroPolicy:
-    """The zero-torque baseline.
-
-    Args:
-        size: number of components of an action.
-
-    Attributes:
-        batched: whether `predict` also takes several observations at once.
-    """
-
-    batched: ClassVar[bool] = True
-
-    def __init__(self, size: int) -> None:
-        self._size = size
-
-    def predict(
-        self,
-        observation: NDArray[Any],
-        state: Any = None,
-        episode_start: NDArray[np.bool_] | None = None,
-        deterministic: bool = True,
-    ) -> tuple[NDArray[np.float32], Any]:
-        """Zeros (..., size) for observations (..., any)."""
-        return np.zeros((*np.shape(observation)[:-1], self._size), dtype=np.float32), state
-
-
-def _facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
+def policy_facts(policy: str, kind: str, mode: str = TORQUE) -> dict[str, Any]:
     """What a record of a comparison states about its policy, in addition to the evaluation."""
     return {"policy": policy, "kind": kind, "mode": mode, "training_seed": UNTRAINED, "history": {}}
 
@@ -77,7 +50,13 @@ def _evaluate(
 
 @dataclass(frozen=True)
 class ControllerJob(EvaluationJob):
-    """A controller with the gains with which it is compared."""
+    """A controller with the gains with which it is compared.
+
+    Attributes:
+        searched: search that found the gains; None for gains of another origin.
+    """
+
+    searched: TunedController | None = None
 
     @property
     def name(self) -> str:
@@ -86,7 +65,10 @@ class ControllerJob(EvaluationJob):
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        return {**super().run(controllers), **_facts(self.controller.name, CONTROLLER)}
+        facts = policy_facts(self.controller.name, CONTROLLER)
+        if self.searched is not None:
+            facts["history"] = to_plain(_search_history(self.searched, self.scenario))
+        return {**super().run(controllers), **facts}
 
 
 @dataclass(frozen=True)
@@ -101,7 +83,7 @@ class VariedJob(EvaluationJob):
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
         policy = f"{self.controller.name} ({self.controller.gains.name})"
-        return {**super().run(controllers), **_facts(policy, VARIED)}
+        return {**super().run(controllers), **policy_facts(policy, VARIED)}
 
 
 def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]:
@@ -119,112 +101,62 @@ def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]
                 continue
             with suppress(InvalidValueError):  # refused as unstable at this control frequency
                 controllers.make(choice, env)
-                found.append(VariedJob(**{**vars(job), "controller": choice}))
+                known = {entry.name: getattr(job, entry.name) for entry in fields(EvaluationJob)}
+                found.append(VariedJob(**{**known, "controller": choice}))
     return found
 
 
 @dataclass(frozen=True)
-class ZeroTorqueJob:
-    """The zero-torque baseline on an environment.
-
-    Attributes:
-        environment_id: id of the environment.
-        scenario: name of the scenario.
-        control_frequency: control frequency of the environment [Hz].
-        episodes: number of episodes.
-        seed: random seed of the first episode.
-    """
-
-    environment_id: str
-    scenario: str
-    control_frequency: float
-    episodes: int
-    seed: int
+class ComparedFloorJob(FloorJob):
+    """A floor with which policies are compared."""
 
     @property
     def name(self) -> str:
-        """See `Job.name`."""
-        return f"{self.environment_id}_{self.scenario}_{ZERO}"
+        """See `Job.name`; it differs from that of an evaluation, whose records hold less."""
+        return f"{super().name}_compared"
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
-            size = int(np.prod(env.action_space.shape or ()))
-            return _evaluate(ZeroPolicy(size), env, self, _facts(ZERO, ZERO), {})
+        return {**super().run(controllers), **policy_facts(self.floor, FLOOR)}
 
 
-@dataclass(frozen=True)
-class BudgetJob:
-    """A controller with the settings found by tuning at equal budget, at the same control frequency.
+def _search_history(tuned: TunedController, scenario: str) -> dict[str, Any]:
+    """The score in a scenario of the best candidate so far; wall times and violations were not recorded.
 
-    Attributes:
-        tuned: the tuned controller, with the settings and the history of its tuning.
-        scenario: name of the scenario.
-        episodes: number of episodes.
-        seed: random seed of the first episode.
+    Empty for a scenario that was not searched.
     """
-
-    tuned: TunedController
-    scenario: str
-    episodes: int
-    seed: int
-
-    @property
-    def environment_id(self) -> str:
-        """See `Job.environment_id`."""
-        return self.tuned.environment
-
-    @property
-    def name(self) -> str:
-        """See `Job.name`."""
-        return f"{self.environment_id}_{self.scenario}_{self.tuned.controller}_{BUDGET}"
-
-    def run(self, controllers: Controllers) -> Record:
-        """See `Job.run`."""
-        tuned = self.tuned
-        facts = {
-            **_facts(f"{tuned.controller} ({BUDGET})", BUDGET),
-            "settings": tuned.settings,
-            "history": _tuning_history(tuned),
-        }
-        revisions = {"controller": CONTROLLERS.find(tuned.controller).revision}
-        with closing(make_environment(self.environment_id, self.scenario, tuned.control_frequency)) as env:
-            return _evaluate(tuned.make(env), env, self, facts, revisions)
-
-
-def _tuning_history(tuned: TunedController) -> dict[str, Any]:
-    """How the best score grew in tuning; wall times and violations were not recorded."""
+    if scenario not in tuned.scenarios:
+        return {}
     unknown = [np.nan] * len(tuned.history)
     return {
-        "scenario": tuned.scenario,
+        "scenario": scenario,
         "control_frequency": tuned.control_frequency,
         "steps": [steps for steps, _ in tuned.history],
         "seconds": unknown,
-        "score": [score for _, score in tuned.history],
+        "score": list(tuned.history_by_scenario[scenario]),
         "violations": unknown,
     }
 
 
-def find_tuned_controllers(environment_id: str, controllers: Sequence[str]) -> list[TunedController]:
-    """Controllers of the package that were tuned at equal budget on an environment.
+def find_search(environment_id: str, controller: ControllerChoice) -> TunedController | None:
+    """The search of the package for the gains with which a controller is compared; None where there is none.
 
     Args:
         environment_id: id of the environment.
-        controllers: names of the controllers.
+        controller: controller with its gains.
 
     Raises:
-        InvalidValueError: a file that is damaged, or whose controller or environment differs from its name.
+        InvalidValueError: a file whose controller or environment differs from its name.
+        DataFileError: a file that is damaged.
     """
-    names = list_tuned_controllers(environment_id)
-    found = []
-    for name in (f"{environment_id}/{controller}" for controller in controllers):
-        if name in names:
-            tuned = load_tuned_controller(name)
-            held = f"{tuned.environment}/{tuned.controller}"
-            if held != name:
-                raise InvalidValueError(f"content of tuned controller {name!r}", held, name)
-            found.append(tuned)
-    return found
+    name = f"{environment_id}/{controller.name}"
+    if controller != ControllerChoice(controller.name) or name not in list_tuned_controllers(environment_id):
+        return None
+    tuned = load_tuned_controller(name)
+    held = f"{tuned.environment}/{tuned.controller}"
+    if held != name:
+        raise InvalidValueError(f"content of tuned controller {name!r}", held, name)
+    return tuned
 
 
 @dataclass(frozen=True)
@@ -265,7 +197,7 @@ class AgentJob:
         _check_digest(agent.path, digest(path), agent.sha256)
         policy = load_agent(path)
         facts = {
-            **_facts(agent.group, AGENT, agent.mode),
+            **policy_facts(agent.group, AGENT, agent.mode),
             "training_seed": agent.training_seed,
             "history": learning_history(policy.card),
             "path": agent.path,
@@ -275,7 +207,7 @@ class AgentJob:
             return _evaluate(policy, env, self, facts, {"agent": agent_revision(policy.card)})
 
 
-ComparisonJob = ControllerJob | VariedJob | ZeroTorqueJob | BudgetJob | AgentJob
+ComparisonJob = ControllerJob | VariedJob | ComparedFloorJob | AgentJob
 
 
 def _check_digest(path: str, found: str, expected: str) -> None:

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, new_figure, to_png
+from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, TUNING, new_figure, to_png
 from prp_gym.comparison.statistics import best_of, score_of
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, CONTROLLER, Condition, Entry, History
+from prp_gym.comparison.values import AGENT, CONTROLLER, Condition, Entry, History
 from prp_gym.robot.arrays import Array
 
 if TYPE_CHECKING:
@@ -49,9 +49,9 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
     figure = new_figure(max(5.2 * columns, 8.0), 4.0 * rows + 0.8)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     goals = {
-        (condition.environment_id, condition.scenario): score_of(best_of(condition.of_kind(*CLASSICAL)))
+        (condition.environment_id, condition.scenario): score_of(best_of(condition.of_kind(CONTROLLER)))
         for condition in conditions
-        if condition.of_kind(*CLASSICAL)
+        if condition.of_kind(CONTROLLER)
     }
     agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
     names = enumerate(dict.fromkeys(agents))
@@ -68,14 +68,14 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
 
 def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[Entry]]:
     """Trained and tuned policies, each of them once, by environment and scenario of training."""
-    seen: dict[tuple[str, str], Entry] = {}
+    seen: dict[tuple[str, str, str], Entry] = {}
     for condition in conditions:
-        for entry in condition.of_kind(AGENT, BUDGET):
+        for entry in condition.of_kind(AGENT, CONTROLLER):
             if entry.histories:
-                seen[condition.environment_id, entry.policy] = entry
+                seen[condition.environment_id, entry.histories[0].scenario, entry.policy] = entry
     panels: dict[tuple[str, str], list[Entry]] = {}
-    for (environment_id, _), entry in seen.items():
-        panels.setdefault((environment_id, entry.histories[0].scenario), []).append(entry)
+    for (environment_id, scenario, _), entry in seen.items():
+        panels.setdefault((environment_id, scenario), []).append(entry)
     return panels
 
 
@@ -89,10 +89,10 @@ def _draw_panel(
         color = colors[entry.policy]
         (lines[entry.policy],) = axes.plot(time, np.median(scores, axis=0), color=color, linewidth=1.8)
         axes.fill_between(time, scores.min(axis=0), scores.max(axis=0), color=color, alpha=0.18, linewidth=0)
-    for index, entry in enumerate(entry for entry in entries if entry.kind == BUDGET):
+    for index, entry in enumerate(entry for entry in entries if entry.kind == CONTROLLER):
         history, style = entry.histories[0], _DASHES[index % len(_DASHES)]
-        time, label = history.simulated_seconds, "controllers, tuned with equal budget"
-        (line,) = axes.step(time, history.score, style, where="post", color=COLORS[BUDGET])
+        time, label = history.simulated_seconds, "controllers, best candidate of the search"
+        (line,) = axes.step(time, history.score, style, where="post", color=TUNING)
         lines.setdefault(label, line)
     for goal in goals:
         lines["best controller"] = axes.axhline(goal, color=COLORS[CONTROLLER], linestyle="-.", linewidth=1.3)

@@ -6,15 +6,15 @@ from contextlib import closing
 from prp_gym.comparison.agents import AgentFile
 from prp_gym.comparison.jobs import (
     AgentJob,
-    BudgetJob,
+    ComparedFloorJob,
     ComparisonJob,
     ControllerJob,
-    ZeroTorqueJob,
-    find_tuned_controllers,
+    find_search,
     list_varied,
 )
 from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.runs.evaluation_job import list_jobs, make_environment
+from prp_gym.runs.floor_job import list_floors
 from prp_gym.runs.selection import Selection
 
 FREQUENCY = 500.0
@@ -24,7 +24,7 @@ FREQUENCY = 500.0
 def list_comparison_jobs(
     selected: Selection, agents: Sequence[AgentFile], episodes: int, seed: int, varied: bool = False
 ) -> list[ComparisonJob]:
-    """In each condition the controllers, those tuned at equal budget, the agents, and zero torque.
+    """In each condition the controllers, the agents, and the floors.
 
     Args:
         selected: chosen conditions and controllers.
@@ -34,22 +34,23 @@ def list_comparison_jobs(
         varied: whether every controller is also run with its other gain sets, after all other jobs.
 
     Raises:
-        PRPError: see `list_jobs` and `find_tuned_controllers`.
+        PRPError: see `list_jobs` and `find_search`.
     """
     jobs: list[ComparisonJob] = []
     for environment_id, scenario in selected.conditions:
         own = list_jobs(
             [(environment_id, scenario)], selected.choices, selected.controllers, FREQUENCY, episodes, seed
         )
-        jobs += [ControllerJob(**vars(job)) for job in own]
+        jobs += [
+            ControllerJob(**vars(job), searched=find_search(environment_id, job.controller)) for job in own
+        ]
         with closing(make_environment(environment_id, scenario, FREQUENCY)) as env:
             count = episodes_to_run(env, episodes)
-        tuned = find_tuned_controllers(environment_id, [job.controller.name for job in own])
-        jobs += [BudgetJob(controller, scenario, count, seed) for controller in tuned]
         jobs += [
             AgentJob(item, scenario, count, seed) for item in agents if item.environment_id == environment_id
         ]
-        jobs.append(ZeroTorqueJob(environment_id, scenario, FREQUENCY, count, seed))
+        floors = list_floors([(environment_id, scenario)], FREQUENCY, episodes, seed)
+        jobs += [ComparedFloorJob(**vars(job)) for job in floors]
     if varied:
         compared = [job for job in jobs if isinstance(job, ControllerJob)]
         jobs += [item for job in compared for item in list_varied(job, selected.controllers)]

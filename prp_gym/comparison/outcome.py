@@ -1,5 +1,6 @@
 """`Outcome`: the findings of a comparison, and how they are written."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Self
@@ -12,10 +13,11 @@ from prp_gym.comparison.statistics import (
     PairwiseComparison,
     aggregate_tasks,
     compare_best,
-    estimate_score,
+    score_of,
+    summarise,
     training_spread,
 )
-from prp_gym.comparison.values import AGENT, Condition, Record, group_conditions
+from prp_gym.comparison.values import AGENT, FLOOR, Condition, Record, group_conditions
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,13 +85,16 @@ class Outcome:
         return plain
 
     def _scores(self, condition: Condition) -> list[dict[str, Any]]:
+        floor = max((score_of(entry) for entry in condition.of_kind(FLOOR)), default=math.nan)
+        summaries = {entry.policy: summarise(entry, self.seed) for entry in condition.entries}
         return [
             {
                 "environment": condition.environment_id,
                 "scenario": condition.scenario,
                 "policy": entry.policy,
                 "kind": entry.kind,
-                "score": estimate_score(entry, self.seed)._asdict(),
+                **summaries[entry.policy].to_plain(),
+                "skill": summaries[entry.policy].skill(floor),
                 "training_seeds": entry.training_seeds,
                 "training_spread": training_spread(entry),
                 "compute_time_per_step": entry.compute_time,

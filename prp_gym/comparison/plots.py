@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
-    BEST_BUDGET_CONTROLLER,
     BEST_CONTROLLER,
     Aggregate,
     best_of,
@@ -14,14 +13,17 @@ from prp_gym.comparison.statistics import (
     score_of,
 )
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, BUDGET, CONTROLLER, KINDS, ZERO, Condition
+from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, KINDS, Condition
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLORS = {CONTROLLER: "#0b5fa5", BUDGET: "#5aa7dd", AGENT: "#d1661f", ZERO: "#777777"}
+COLORS = {CONTROLLER: "#0b5fa5", AGENT: "#d1661f", FLOOR: "#777777"}
 """Colours of the kinds of policies."""
+
+TUNING = "#5aa7dd"
+"""Colour of the searches for the gains of controllers."""
 
 MODE_COLORS = (
     "#d1661f",
@@ -38,7 +40,7 @@ MODE_COLORS = (
 
 GRID = "#dddddd"
 _DPI = 100
-_MARKERS = {CONTROLLER: "o", BUDGET: "s", AGENT: "D", ZERO: "x"}
+_MARKERS = {CONTROLLER: "o", AGENT: "D", FLOOR: "x"}
 _MICROSECONDS = 1e6
 
 
@@ -64,8 +66,8 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
     scenarios = list(dict.fromkeys(item.scenario for item in aggregates))
     shown = [item for item in aggregates if item.family != BEST_AGENT]
     families = list(dict.fromkeys(item.family for item in shown))
-    modes = [name for name in families if name not in (BEST_CONTROLLER, BEST_BUDGET_CONTROLLER)]
-    colors = {BEST_CONTROLLER: COLORS[CONTROLLER], BEST_BUDGET_CONTROLLER: COLORS[BUDGET]}
+    modes = [name for name in families if name != BEST_CONTROLLER]
+    colors = {BEST_CONTROLLER: COLORS[CONTROLLER]}
     colors |= {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in enumerate(modes)}
     count = max(1, len(scenarios))  # without a family of policies the only panel stays empty
     figure = new_figure(6.0 * count, 5.5)
@@ -143,7 +145,7 @@ def draw_compute(conditions: Sequence[Condition]) -> bytes:
     scenarios = list(dict.fromkeys(condition.scenario for condition in conditions))
     figure = new_figure(6.0 * len(scenarios), 5.0)
     panels = figure.subplots(1, len(scenarios), squeeze=False, sharey=True)[0]
-    kinds = [kind for kind in _kinds(conditions) if kind != ZERO]
+    kinds = _kinds(conditions)
     for axes, scenario in zip(panels, scenarios, strict=True):
         for kind in kinds:
             shown = (condition for condition in conditions if condition.scenario == scenario)

@@ -4,33 +4,29 @@ The best of several policies is chosen on the episodes on which it is then compa
 account for that choice, which favours the kind that has more policies to choose from.
 """
 
-import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from prp_gym.comparison.values import AGENT, BUDGET, CLASSICAL, CONTROLLER, Condition, Entry
+from prp_gym.comparison.values import AGENT, CONTROLLER, Condition, Entry
 from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_tasks
 from prp_gym.evaluation.improvement import paired_probability_of_improvement
 from prp_gym.evaluation.profiles import Profile, performance_profile
-from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean, interquartile_mean
+from prp_gym.evaluation.score_summary import ScoreSummary, failure_of
+from prp_gym.evaluation.statistics import Estimate, bootstrap_mean, mean, worst_twentieth
 from prp_gym.robot.arrays import Array
 
 UNDECIDED = "-"
 """Verdict where the interval of the paired difference contains 0."""
 
-BEST_CONTROLLER, BEST_BUDGET_CONTROLLER, BEST_AGENT = (
-    "best controller",
-    "best equal-budget controller",
-    "best agent",
-)
+BEST_CONTROLLER, BEST_AGENT = "best controller", "best agent"
 THRESHOLDS = np.linspace(0.0, 1.0, 101)
 """Scores at which performance profiles are taken."""
 
 
 def estimate_score(entry: Entry, seed: int) -> Estimate:
-    """Interquartile mean of the score with a 95 % interval.
+    """Mean of the score with a 95 % interval.
 
     The interval is over the episodes, and for agents over the training seeds, too, all of which were
     evaluated on the same episodes.
@@ -41,13 +37,28 @@ def estimate_score(entry: Entry, seed: int) -> Estimate:
     """
     rng = np.random.default_rng(seed)
     if entry.kind == AGENT:
-        return bootstrap_crossed(entry.scores, rng)
-    return bootstrap_interquartile_mean(entry.scores[0], rng)
+        return bootstrap_crossed(entry.scores, rng, statistic=mean)
+    return bootstrap_mean(entry.scores[0], rng)
+
+
+def summarise(entry: Entry, seed: int) -> ScoreSummary:
+    """Scores of a policy with intervals as in `estimate_score`, and its failed episodes.
+
+    Args:
+        entry: a policy under a condition.
+        seed: random seed of the bootstrap.
+    """
+    return ScoreSummary(
+        mean=estimate_score(entry, seed),
+        interquartile_mean=bootstrap_crossed(entry.scores, np.random.default_rng(seed)),
+        worst_twentieth=worst_twentieth(entry.scores),
+        failure=failure_of(entry.metrics),
+    )
 
 
 def score_of(entry: Entry) -> float:
-    """Interquartile mean of all scores."""
-    return float(interquartile_mean(entry.scores.ravel()))
+    """Mean of all scores."""
+    return float(entry.scores.mean())
 
 
 def best_of(entries: Sequence[Entry]) -> Entry:
@@ -60,9 +71,9 @@ class Spread:
     """Scores of agents that differ in their training seed alone.
 
     Attributes:
-        median: median over the training seeds of the interquartile mean of each [1].
-        low: interquartile mean of the worst training seed [1].
-        high: interquartile mean of the best training seed [1].
+        median: median over the training seeds of the mean of each [1].
+        low: mean of the worst training seed [1].
+        high: mean of the best training seed [1].
     """
 
     median: float
@@ -72,7 +83,7 @@ class Spread:
 
 def training_spread(entry: Entry) -> Spread:
     """Median and range of the score over the training seeds of an entry."""
-    each = interquartile_mean(entry.scores)
+    each = mean(entry.scores)
     return Spread(float(np.median(each)), float(each.min()), float(each.max()))
 
 
@@ -83,7 +94,7 @@ class PairwiseComparison:
     Attributes:
         environment_id: id of the environment.
         scenario: name of the scenario.
-        controller: name of the best controller of its kind.
+        controller: name of the best controller.
         agent: name of the best agent.
         controller_score: score of the controller with its interval [1].
         agent_score: score of the agent with its interval [1].
@@ -118,18 +129,15 @@ class PairwiseComparison:
 
 
 def compare_best(conditions: Iterable[Condition], seed: int) -> list[PairwiseComparison]:
-    """The best controller of each kind against the best agent, under every condition that has both.
-
-    A controller with its own gains was tuned without a limit of simulated time; one of equal budget with
-    as much simulated time as the training of an agent takes.
+    """The best controller against the best agent, under every condition that has both.
 
     Args:
         conditions: environments and scenarios with their policies.
         seed: random seed of the bootstrap.
     """
     pairwise_comparisons = []
-    for condition, kind in itertools.product(conditions, CLASSICAL):
-        controllers, agents = condition.of_kind(kind), condition.of_kind(AGENT)
+    for condition in conditions:
+        controllers, agents = condition.of_kind(CONTROLLER), condition.of_kind(AGENT)
         if controllers and agents:
             pairwise_comparisons.append(_compare(condition, best_of(controllers), best_of(agents), seed))
     return pairwise_comparisons
@@ -146,7 +154,7 @@ def _compare(condition: Condition, controller: Entry, agent: Entry, seed: int) -
         agent.policy,
         estimate_score(controller, seed),
         estimate_score(agent, seed),
-        bootstrap_difference(agent.scores, controller.scores, rng),
+        bootstrap_difference(agent.scores, controller.scores, rng, statistic=mean),
         # without its interval, which would not include the spread over training seeds
         paired_probability_of_improvement(ours, theirs, rng).value,
     )
@@ -160,7 +168,7 @@ class Aggregate:
         scenario: name of the scenario.
         family: the best policy of a kind on each task; agents also by action mode.
         tasks: number of tasks.
-        score: interquartile mean over the tasks of the interquartile mean on each.
+        score: mean over the tasks of the mean on each.
         reference: score of the best controller, aggregated in the same way over the same tasks.
         profile: share of scores above each threshold, with equal weights of the tasks.
     """
@@ -200,7 +208,6 @@ def _families(conditions: Sequence[Condition]) -> dict[str, dict[str, Array]]:
         agents = condition.of_kind(AGENT)
         members = {
             BEST_CONTROLLER: condition.of_kind(CONTROLLER),
-            BEST_BUDGET_CONTROLLER: condition.of_kind(BUDGET),
             BEST_AGENT: agents,
         }
         for mode in dict.fromkeys(entry.mode for entry in agents):
@@ -220,7 +227,7 @@ def _aggregate(
         scenario,
         family,
         len(scores),
-        bootstrap_tasks(scores, rng),
-        bootstrap_tasks(controllers, rng) if len(controllers) == len(scores) else nothing,
+        bootstrap_tasks(scores, rng, statistic=mean),
+        bootstrap_tasks(controllers, rng, statistic=mean) if len(controllers) == len(scores) else nothing,
         performance_profile({task: rows.ravel() for task, rows in scores.items()}, THRESHOLDS, rng),
     )

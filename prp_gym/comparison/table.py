@@ -9,11 +9,11 @@ from rich.table import Table
 
 from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
 from prp_gym.comparison.effort import Effort
-from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, estimate_score, training_spread
-from prp_gym.comparison.values import AGENT, KINDS, VARIED, ZERO, Condition, Entry
+from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, summarise, training_spread
+from prp_gym.comparison.values import AGENT, FLOOR, VARIED, Condition, Entry
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
-from prp_gym.evaluation.table import Row, evaluation_table
+from prp_gym.evaluation.table import Row, evaluation_table, score_table
 from prp_gym.robot.arrays import Array
 
 _ABSENT = "-"
@@ -48,14 +48,36 @@ def condition_table(condition: Condition, seed: int) -> Table:
         seed: random seed of the bootstrap.
     """
     title = f"{condition.environment_id}, scenario {condition.scenario}"
-    rows = [_row(entry, len(condition.seeds), seed) for entry in condition.entries if entry.kind != VARIED]
-    return evaluation_table(title, rows, scoring_of(condition.environment_id).columns, "policy")
+    return evaluation_table(
+        title, condition_rows(condition, seed), scoring_of(condition.environment_id).columns, "policy"
+    )
+
+
+def condition_scores(condition: Condition, seed: int) -> Table:
+    """Scores and failures of the policies under a condition, best score first.
+
+    Args:
+        condition: environment and scenario with their policies.
+        seed: random seed of the bootstrap.
+    """
+    title = f"{condition.environment_id}, scenario {condition.scenario}: scores"
+    return score_table(title, condition_rows(condition, seed), "policy")
+
+
+def condition_rows(condition: Condition, seed: int) -> list[Row]:
+    """The rows of a condition's tables, without controllers with other gains.
+
+    Args:
+        condition: environment and scenario with their policies.
+        seed: random seed of the bootstrap.
+    """
+    return [_row(entry, len(condition.seeds), seed) for entry in condition.entries if entry.kind != VARIED]
 
 
 def _row(entry: Entry, episodes: int, seed: int) -> Row:
     median = {name: _median(values) for name, values in entry.metrics.items()}
-    name = KINDS[ZERO] if entry.kind == ZERO else entry.policy
-    return Row(fold(name), episodes, estimate_score(entry, seed), median, entry.compute_time)
+    summary = summarise(entry, seed)
+    return Row(fold(entry.policy), episodes, summary, median, entry.compute_time, entry.kind == FLOOR)
 
 
 def _median(values: Array) -> Array:

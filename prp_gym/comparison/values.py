@@ -12,22 +12,21 @@ from prp_gym.robot.arrays import Array
 
 Record = Mapping[str, Any]
 
-CONTROLLER, BUDGET, AGENT, ZERO, VARIED = "controller", "budget", "agent", "zero", "varied"
+CONTROLLER, AGENT, FLOOR, VARIED = "controller", "agent", "floor", "varied"
 KINDS = {
     CONTROLLER: "controller",
-    BUDGET: "controller, equal budget",
     AGENT: "agent",
-    ZERO: "zero torque",
+    FLOOR: "floor",
     VARIED: "controller, other gains",
 }
 """Kinds of policies with their names in tables and plots.
 
-A controller has its tuned gains; one of equal budget was tuned with as much simulated time as the training of
-an agent takes; one with other gains takes part in the audit of the reward alone. Zero torque is the baseline
-that every policy has to beat.
+A controller has its tuned gains, which a search has found with as much simulated time as the training of an
+agent takes; one with other gains takes part in the audit of the reward alone. Floors do not attempt the
+task: zero torque, and holding the start pose. Every policy has to exceed them.
 """
 
-CLASSICAL = (CONTROLLER, BUDGET)
+_RENAMED = {"zero": FLOOR}  # as results of version 0.1 call it
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +93,11 @@ class Entry:
         metrics = {
             name: np.stack([to_array(record["episodes"][name]) for record in records])
             for name in first["episodes"]
+            if all(name in record["episodes"] for record in records)
         }
         return cls(
             policy=first["policy"],
-            kind=first["kind"],
+            kind=_RENAMED.get(str(first["kind"]), str(first["kind"])),
             mode=first["mode"],
             training_seeds=tuple(record["training_seed"] for record in records if record["kind"] == AGENT),
             scores=metrics["score"][..., 0],

@@ -14,7 +14,14 @@ from prp_gym.evaluation.metric import Metric, MetricGroup, Presentation
 from prp_gym.evaluation.metrics import METRICS, episode_metrics, register_metric
 from prp_gym.evaluation.profiles import Profile, performance_profile
 from prp_gym.evaluation.rollout import Policy, Rollout
-from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean, interquartile_mean
+from prp_gym.evaluation.score_summary import ScoreSummary
+from prp_gym.evaluation.statistics import (
+    Estimate,
+    bootstrap_interquartile_mean,
+    bootstrap_mean,
+    interquartile_mean,
+    worst_twentieth,
+)
 
 __all__ = [
     "METRICS",
@@ -27,9 +34,11 @@ __all__ = [
     "Presentation",
     "Profile",
     "Rollout",
+    "ScoreSummary",
     "bootstrap_crossed",
     "bootstrap_difference",
     "bootstrap_interquartile_mean",
+    "bootstrap_mean",
     "bootstrap_nested",
     "bootstrap_tasks",
     "episode_metrics",
@@ -40,4 +49,5 @@ __all__ = [
     "probability_of_improvement",
     "record_episode",
     "register_metric",
+    "worst_twentieth",
 ]

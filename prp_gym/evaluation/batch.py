@@ -11,7 +11,7 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 from prp_gym.evaluation.policy_output import check_output
 from prp_gym.evaluation.recorder import Recorder
-from prp_gym.evaluation.rollout import Policy, Rollout, check_environment
+from prp_gym.evaluation.rollout import Policy, Rollout, check_environment, inner_time
 from prp_gym.robot.arrays import Array
 
 _TIMED = 64  # actions on which the compute time of a policy is measured
@@ -72,7 +72,7 @@ def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     with recorder.listening():
         for index in range(horizon):
             if index in pauses:
-                times.append(_time_one(policy, observation[0]))
+                times.append(_time_one(policy, observation[0]) + inner_time(loop))
             output = policy.predict(observation, state, episode_start=starts, deterministic=True)
             action, state = check_output(policy, output, (len(seeds), *shape))
             step = loop.step(np.asarray(action, dtype=np.float64))

@@ -12,10 +12,12 @@ from prp_gym.checks import random_seed, whole
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.batch import can_batch, record_episodes
 from prp_gym.evaluation.episode import record_episode
+from prp_gym.evaluation.failure import FAILURES
 from prp_gym.evaluation.metrics import episode_metrics
 from prp_gym.evaluation.policy_output import takes_batches
 from prp_gym.evaluation.rollout import Policy, Rollout
-from prp_gym.evaluation.statistics import Estimate, bootstrap_interquartile_mean
+from prp_gym.evaluation.score_summary import ScoreSummary
+from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
 
 _MOST_EPISODES = 10**6
@@ -29,7 +31,7 @@ class Makeable(Protocol):
         """The policy for an environment."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Evaluation:
     """Recorded episodes of one policy on one environment.
 
@@ -41,6 +43,19 @@ class Evaluation:
     rollouts: Sequence[Rollout]
     seed: int
 
+    def __repr__(self) -> str:
+        """The environment, the number of episodes, the score and the failed episodes."""
+        first, summary = self.rollouts[0], self.summary
+        low, high = summary.mean.low, summary.mean.high
+        failed = ", ".join(
+            f"{share:.0f} % {kind}" for kind, share in zip(FAILURES, summary.failure, strict=True) if share
+        )
+        return (
+            f"<Evaluation of {len(self.rollouts)} episodes of {first.environment_id}, scenario"
+            f" {first.scenario}: score {summary.mean.value:.3f} ({low:.3f}-{high:.3f}), worst twentieth"
+            f" {summary.worst_twentieth:.3f}, failed: {failed or 'none'}>"
+        )
+
     @cached_property
     def metrics(self) -> dict[str, Array]:
         """Metrics by name, (episodes, components); units in `prp_gym.evaluation.METRICS`."""
@@ -48,10 +63,14 @@ class Evaluation:
         return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
 
     @cached_property
+    def summary(self) -> ScoreSummary:
+        """Mean, interquartile mean and worst twentieth of the score, and the failures by kind."""
+        return ScoreSummary.of(self.metrics, self.seed)
+
+    @property
     def score(self) -> Estimate:
-        """Interquartile mean of the score with a 95 % bootstrap interval."""
-        rng = np.random.default_rng(self.seed)
-        return bootstrap_interquartile_mean(self.metrics["score"][:, 0], rng)
+        """Mean of the score with a 95 % bootstrap interval."""
+        return self.summary.mean
 
     @cached_property
     def median(self) -> dict[str, Array]:

@@ -1,4 +1,4 @@
-"""Interquartile means of trained agents: scores spread over training seeds and over episodes.
+"""Means and interquartile means of trained agents: scores spread over training seeds and over episodes.
 
 Scores are (training seeds, episodes). A controller that is not trained has one row: a level with one member
 adds no spread, so that its interval is over episodes only and says nothing about training. With few training
@@ -23,13 +23,20 @@ from prp_gym.evaluation.resampling import (
 from prp_gym.evaluation.statistics import Estimate, interquartile_mean
 from prp_gym.robot.arrays import Array
 
+Statistic = Callable[[Array], Array]
+"""An aggregate over the last axis, (..., n) -> (...)."""
+
 _AXES = ("training seeds", "episodes")
 
 
 def bootstrap_nested(
-    scores: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+    scores: Array,
+    rng: np.random.Generator,
+    confidence: float = 0.95,
+    resamples: int = RESAMPLES,
+    statistic: Statistic = interquartile_mean,
 ) -> Estimate:
-    """Interquartile mean of all scores, its interval over training seeds and episodes of their own.
+    """A statistic of all scores, its interval over training seeds and episodes of their own.
 
     A resample draws training seeds, then episodes of each drawn seed, once for every time that it was drawn.
     The interval is meant for episodes that differ from one training seed to the next; where all agents were
@@ -41,6 +48,7 @@ def bootstrap_nested(
         rng: random generator of the resampling.
         confidence: confidence level of the interval, between 0 and 1.
         resamples: number of bootstrap resamples.
+        statistic: aggregate over the last axis, (..., n) -> (...).
 
     Returns:
         the estimate [1]; with one training seed only episodes are drawn.
@@ -52,15 +60,21 @@ def bootstrap_nested(
 
     Source: Agarwal 2021, Davison 1997.
     """
-    return _bootstrap(
-        scores, lambda checked, size: _draw_nested(checked, size, rng), rng, confidence, resamples
-    )
+
+    def draw(checked: Array, size: int) -> Array:
+        return _draw_nested(checked, size, rng, statistic)
+
+    return _bootstrap(scores, draw, rng, confidence, resamples, statistic)
 
 
 def bootstrap_crossed(
-    scores: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+    scores: Array,
+    rng: np.random.Generator,
+    confidence: float = 0.95,
+    resamples: int = RESAMPLES,
+    statistic: Statistic = interquartile_mean,
 ) -> Estimate:
-    """Interquartile mean of all scores, its interval over training seeds and common evaluation seeds.
+    """A statistic of all scores, its interval over training seeds and common evaluation seeds.
 
     A resample draws training seeds, and evaluation seeds once for all of them: an evaluation seed that is
     hard for every agent is then as rare or as frequent for all.
@@ -70,6 +84,7 @@ def bootstrap_crossed(
         rng: random generator of the resampling.
         confidence: confidence level of the interval, between 0 and 1.
         resamples: number of bootstrap resamples.
+        statistic: aggregate over the last axis, (..., n) -> (...).
 
     Returns:
         the estimate [1]; with one training seed only episodes are drawn.
@@ -83,15 +98,20 @@ def bootstrap_crossed(
     """
 
     def draw(checked: Array, size: int) -> Array:
-        return _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng)
+        return _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng, statistic)
 
-    return _bootstrap(scores, draw, rng, confidence, resamples)
+    return _bootstrap(scores, draw, rng, confidence, resamples, statistic)
 
 
 def bootstrap_difference(
-    x: Array, y: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+    x: Array,
+    y: Array,
+    rng: np.random.Generator,
+    confidence: float = 0.95,
+    resamples: int = RESAMPLES,
+    statistic: Statistic = interquartile_mean,
 ) -> Estimate:
-    """Interquartile mean of x less that of y, two policies on the same evaluation seeds, with an interval.
+    """A statistic of x less that of y, two policies on the same evaluation seeds, with an interval.
 
     A resample draws evaluation seeds once for both policies, and training seeds of x and of y apart from
     each other: the common effect of an evaluation seed on both cancels in the difference.
@@ -102,6 +122,7 @@ def bootstrap_difference(
         rng: random generator of the resampling.
         confidence: confidence level of the interval, between 0 and 1.
         resamples: number of bootstrap resamples.
+        statistic: aggregate over the last axis, (..., n) -> (...).
 
     Returns:
         the estimate [1]; an interval above 0 says that x is better.
@@ -120,14 +141,20 @@ def bootstrap_difference(
     drawn = []
     for size in split_resamples(resamples, ours.size + theirs.size):
         columns = _draw(size, ours.shape[1], rng)
-        drawn.append(_draw_crossed(ours, columns, rng) - _draw_crossed(theirs, columns, rng))
-    return _estimate(float(_pool(ours) - _pool(theirs)), np.concatenate(drawn), confidence)
+        parts = (_draw_crossed(own, columns, rng, statistic) for own in (ours, theirs))
+        drawn.append(next(parts) - next(parts))
+    value = float(_pool(ours, statistic) - _pool(theirs, statistic))
+    return _estimate(value, np.concatenate(drawn), confidence)
 
 
 def bootstrap_tasks(
-    scores: Runs, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+    scores: Runs,
+    rng: np.random.Generator,
+    confidence: float = 0.95,
+    resamples: int = RESAMPLES,
+    statistic: Statistic = interquartile_mean,
 ) -> Estimate:
-    """Interquartile mean over tasks of the interquartile mean on each, with an interval.
+    """A statistic over tasks of the same statistic on each, with an interval.
 
     Each task weighs the same, whatever its number of scores. A resample draws training seeds and evaluation
     seeds of each task as `bootstrap_crossed` does, and keeps the tasks.
@@ -137,6 +164,7 @@ def bootstrap_tasks(
         rng: random generator of the resampling.
         confidence: confidence level of the interval, between 0 and 1.
         resamples: number of bootstrap resamples.
+        statistic: aggregate over the last axis, (..., n) -> (...).
 
     Returns:
         the estimate [1].
@@ -157,13 +185,13 @@ def bootstrap_tasks(
     for task in sorted(scores):
         checked = check_scores(scores[task], f"scores of task {task!r}", _AXES)
         parts = [
-            _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng)
+            _draw_crossed(checked, _draw(size, checked.shape[1], rng), rng, statistic)
             for size in split_resamples(resamples, checked.size)
         ]
-        values.append(_pool(checked))
+        values.append(_pool(checked, statistic))
         drawn.append(np.concatenate(parts))
-    together = interquartile_mean(np.stack(drawn, axis=-1))
-    return _estimate(float(interquartile_mean(np.array(values))), together, confidence)
+    together = statistic(np.stack(drawn, axis=-1))
+    return _estimate(float(statistic(np.array(values))), together, confidence)
 
 
 def _bootstrap(
@@ -172,17 +200,18 @@ def _bootstrap(
     rng: np.random.Generator,
     confidence: float,
     resamples: int,
+    statistic: Statistic,
 ) -> Estimate:
-    """Interquartile mean of all scores, with an interval from resamples that are drawn block by block."""
+    """A statistic of all scores, with an interval from resamples that are drawn block by block."""
     check_bootstrap(confidence, resamples, rng)
     checked = check_scores(scores, "scores", _AXES)
     drawn = [draw(checked, size) for size in split_resamples(resamples, checked.size)]
-    return _estimate(float(_pool(checked)), np.concatenate(drawn), confidence)
+    return _estimate(float(_pool(checked, statistic)), np.concatenate(drawn), confidence)
 
 
-def _pool(scores: Array) -> Array:
-    """Interquartile mean over both levels together: (..., training seeds, episodes) -> (...)."""
-    return interquartile_mean(scores.reshape(*scores.shape[:-2], -1))
+def _pool(scores: Array, statistic: Statistic) -> Array:
+    """A statistic over both levels together: (..., training seeds, episodes) -> (...)."""
+    return statistic(scores.reshape(*scores.shape[:-2], -1))
 
 
 def _draw(resamples: int, members: int, rng: np.random.Generator) -> Indices:
@@ -190,15 +219,15 @@ def _draw(resamples: int, members: int, rng: np.random.Generator) -> Indices:
     return rng.integers(members, size=(resamples, members))
 
 
-def _draw_nested(scores: Array, resamples: int, rng: np.random.Generator) -> Array:
+def _draw_nested(scores: Array, resamples: int, rng: np.random.Generator, statistic: Statistic) -> Array:
     rows = _draw(resamples, len(scores), rng)
     columns = rng.integers(scores.shape[1], size=(*rows.shape, scores.shape[1]))
-    return _pool(scores[rows[:, :, None], columns])
+    return _pool(scores[rows[:, :, None], columns], statistic)
 
 
-def _draw_crossed(scores: Array, columns: Indices, rng: np.random.Generator) -> Array:
+def _draw_crossed(scores: Array, columns: Indices, rng: np.random.Generator, statistic: Statistic) -> Array:
     rows = _draw(len(columns), len(scores), rng)
-    return _pool(scores[rows[:, :, None], columns[:, None, :]])
+    return _pool(scores[rows[:, :, None], columns[:, None, :]], statistic)
 
 
 def _estimate(value: float, drawn: Array, confidence: float) -> Estimate:

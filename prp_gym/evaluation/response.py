@@ -4,6 +4,8 @@ Time runs along the second-to-last axis of vectors (..., T, d) and along the las
 per sample (..., T); every function broadcasts over the dimensions before it.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,8 @@ SETTLING_BAND = 0.02
 """Share of the step within which a response counts as settled."""
 
 _FINAL_PART = 0.1
+_LEAST_SWINGS = 6  # half periods, three full oscillations in half an episode
+_SUSTAINED = 0.5  # least ratio of the last amplitude to the one before
 
 
 def root_mean_square(values: Array) -> Array:
@@ -110,3 +114,60 @@ def steady_state_error(actual: Array, desired: Array) -> Array:
     error = np.mean(desired[..., -final:, :] - actual[..., -final:, :], axis=-2)
     still = is_constant(desired[..., -final:, :])
     return np.where(still[..., None], error, np.nan)
+
+
+def time_settled(time: Array, deviations: Sequence[Array]) -> float:
+    """When all deviations come within their tolerances for good.
+
+    Args:
+        time: (T) [s].
+        deviations: groups of components (T, any size) in units of their tolerances [1]; within them where
+            the norm of a group is at most 1.
+
+    Returns:
+        the time [s]; infinite if the last tenth is not within the tolerances from its beginning, and where
+        a deviation is undefined (NaN).
+    """
+    outside = np.zeros(len(time), dtype=np.bool_)
+    for group in deviations:
+        outside |= ~(np.sqrt((group**2).sum(axis=-1)) <= 1.0)
+    settled = float(time_inside_for_good(time, outside))
+    return settled if settled <= time[-1 - round(_FINAL_PART * (len(time) - 1))] else np.inf
+
+
+def oscillates_for_good(deviations: Sequence[Array], reference: Array) -> bool:
+    """Whether a deviation keeps oscillating to the end of an episode, beyond its tolerance.
+
+    A component does so if in the second half of the episode
+
+    - it swings by more than its tolerance to each side of its middle in the last quarter,
+    - those swings are at least half as large as in the quarter before, so that it does not decay,
+    - it makes at least three full oscillations, by swings of half that amplitude, and at least twice as many
+      as any component of the reference, whose motion a tracking error may repeat.
+
+    Args:
+        deviations: groups of components (T, any size) in units of their tolerances [1].
+        reference: planned reference (T, size), in any units.
+    """
+    every = np.concatenate(deviations, axis=-1)[len(reference) // 2 :]
+    planned = reference[len(reference) // 2 :]
+    if len(every) < _LEAST_SWINGS:
+        return False
+    least = max(_LEAST_SWINGS, 2 * max((_swings(values) for values in planned.T), default=0))
+    before, after = (_amplitude(part) for part in np.array_split(every, 2))
+    sustained = (after > 1.0) & (after >= _SUSTAINED * before)
+    return any(_swings(values) >= least for values in every.T[sustained])
+
+
+def _amplitude(values: Array) -> Array:
+    """Half of the range over time: (T, size) -> (size)."""
+    half: Array = (values.max(axis=0) - values.min(axis=0)) / 2
+    return half
+
+
+def _swings(values: Array) -> int:
+    """How often a signal (T) goes from beyond half its amplitude on one side of its middle to the other."""
+    high, low = float(values.max()), float(values.min())
+    away = values - (high + low) / 2
+    side = np.sign(away)[np.abs(away) > (high - low) / 4]
+    return int(np.count_nonzero(np.diff(side)))

@@ -8,7 +8,8 @@ from prp_gym.artifacts import list_versions
 from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.evaluation.metrics import METRICS
 
-SCHEMA = 1
+SCHEMA = 2
+"""Form of the results: 2 since `score` is the mean over the episodes; it was the interquartile mean."""
 
 
 def describe_run(command: str) -> dict[str, Any]:
@@ -33,7 +34,7 @@ def describe_evaluation(evaluation: Evaluation, baseline: str, settings: Any) ->
         "control_period": first.period,
         "duration": first.duration,
         "seeds": [rollout.seed for rollout in evaluation.rollouts],
-        "score": evaluation.score._asdict(),
+        **evaluation.summary.to_plain(),
         "median": evaluation.median,
         "episodes": evaluation.metrics,
         "compute_time_per_step": evaluation.compute_time,

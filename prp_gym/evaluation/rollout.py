@@ -50,7 +50,8 @@ class Rollout:
         info: numbers of `info` by name (T).
         diverged: whether the episode ended in a divergence.
         compute_time: time that the policy took for an action, for some or all actions [s]; the only part
-            that is not reproducible. It does not include the inner controller of an action mode.
+            that is not reproducible. It includes the inner controller of an action mode, over all periods of
+            the action.
     """
 
     environment_id: str
@@ -75,6 +76,16 @@ class Rollout:
     def time(self) -> Array:
         """Times of the observations (T + 1) [s]."""
         return np.arange(len(self.reward) + 1, dtype=np.float64) * float(self.period)
+
+
+def inner_time(loop: Any) -> float:
+    """How long the inner controller of an action mode takes for one action of one environment [s].
+
+    Args:
+        loop: control loop of an environment; 0 of one whose actions are torques.
+    """
+    measure = getattr(loop, "inner_time", None)
+    return 0.0 if measure is None else float(measure())
 
 
 def check_environment(env: gymnasium.Env[Any, Any]) -> gymnasium.Env[Any, Any]:

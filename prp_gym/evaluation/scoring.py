@@ -1,5 +1,7 @@
-"""`scoring_of`: how policies on a task are shown in tables and audited."""
+"""`scoring_of`: how policies on a task are shown in tables and audited, and when its responses settle."""
 
+from prp_gym.evaluation.rollout import Rollout
+from prp_gym.tasks.settling.criterion import SettlingCriterion
 from prp_gym.tasks.spec import TASKS, TaskScoring
 
 
@@ -13,3 +15,18 @@ def scoring_of(environment_id: str) -> TaskScoring:
         the declared scoring; one without columns and error where the task is not declared.
     """
     return TASKS[environment_id].scoring if environment_id in TASKS else TaskScoring()
+
+
+def settling_of(rollout: Rollout) -> SettlingCriterion | None:
+    """When the responses of an episode count as settled, as its task declares it.
+
+    Args:
+        rollout: an episode.
+
+    Returns:
+        the criterion; None for a task without one, or for an episode without the fields that it needs.
+    """
+    criterion = scoring_of(rollout.environment_id).settling
+    if criterion is None or not set(criterion.requires) <= set(rollout.fields):
+        return None
+    return criterion

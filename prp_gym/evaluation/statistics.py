@@ -1,5 +1,6 @@
 """Aggregates over episodes: they do not know who produced the scores."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -60,8 +61,56 @@ def bootstrap_interquartile_mean(
         ShapeError: values that are not in one row.
         NonFiniteError: NaN or infinity among the values.
     """
+    return _bootstrap(interquartile_mean, values, rng, confidence, resamples)
+
+
+def bootstrap_mean(
+    values: Array, rng: np.random.Generator, confidence: float = 0.95, resamples: int = RESAMPLES
+) -> Estimate:
+    """Mean with a percentile bootstrap interval over the episodes.
+
+    Args:
+        values: one value for each episode, (n).
+        rng: random generator of the resampling.
+        confidence: confidence level of the interval, between 0 and 1.
+        resamples: number of bootstrap resamples.
+
+    Returns:
+        the estimate; without spread, or of one episode, the interval is the point.
+
+    Raises:
+        InvalidValueError: no values, no resamples, or a confidence outside (0, 1).
+        ShapeError: values that are not in one row.
+        NonFiniteError: NaN or infinity among the values.
+    """
+    return _bootstrap(mean, values, rng, confidence, resamples)
+
+
+def mean(values: Array) -> Array:
+    """Mean over the last axis, (..., n) -> (...)."""
+    found: Array = values.mean(axis=-1)
+    return found
+
+
+def worst_twentieth(values: Array) -> float:
+    """Mean of the worst 5 % of the values (n), rounded down to whole values, of one at least.
+
+    Source: the conditional value at risk at 5 %.
+    """
+    ordered = np.sort(values, axis=None)
+    return float(ordered[: max(1, ordered.size // 20)].mean())
+
+
+def _bootstrap(
+    statistic: Callable[[Array], Array],
+    values: Array,
+    rng: np.random.Generator,
+    confidence: float,
+    resamples: int,
+) -> Estimate:
+    """A statistic of the last axis with a percentile interval over the values (n)."""
     check_bootstrap(confidence, resamples, rng)
     values = check_scores(values, "values", ("n",))
     drawn = rng.choice(values, size=(resamples, len(values)), replace=True)
-    low, high = cut_tails(interquartile_mean(drawn), confidence)
-    return Estimate(float(interquartile_mean(values)), float(low), float(high))
+    low, high = cut_tails(statistic(drawn), confidence)
+    return Estimate(float(statistic(values)), float(low), float(high))

@@ -10,6 +10,9 @@ from prp_gym.checks import as_numbers, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array, norm
 
+CONTACT_THRESHOLD = 1e-6
+"""Contact force above which the tip is in contact [N], that of 1 µm into a surface of 1 N/m."""
+
 IMPEDANCE = 1e-4
 """Smallest value of d in MuJoCo's solimp; it causes a spurious added mass of d/((1-d)Â), here 0.13 g."""
 

@@ -15,7 +15,7 @@ from prp_gym.tasks.registration import list_envs, register_task
 from prp_gym.tasks.reward import Reward, RewardTerm
 from prp_gym.tasks.scenario import SCENARIOS, Range, Scenario
 from prp_gym.tasks.setup import TaskNumbers, TaskSetup
-from prp_gym.tasks.spec import TASKS, TaskEntry, TaskError, TaskScoring, TaskSpec
+from prp_gym.tasks.spec import TASKS, Criterion, TaskEntry, TaskScoring, TaskSpec
 from prp_gym.tasks.target_model import Displacement, TargetModel
 from prp_gym.tasks.task import Task
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Sine, SquareAcceleration, Trajectory
@@ -24,6 +24,7 @@ __all__ = [
     "SCENARIOS",
     "TASKS",
     "Constant",
+    "Criterion",
     "Displacement",
     "EpisodeStart",
     "ErrorFunction",
@@ -42,7 +43,6 @@ __all__ = [
     "TargetModel",
     "Task",
     "TaskEntry",
-    "TaskError",
     "TaskNumbers",
     "TaskParts",
     "TaskScoring",

@@ -245,6 +245,15 @@ MODEL_POSE = Field.symmetric(
 )
 """The reference of the errors of compliance, impedance and admittance tasks; recorded, not observed."""
 
+FORCE_ERROR = Field.symmetric(
+    "force_error",
+    ("1", "1"),
+    "world",
+    (np.inf,) * 2,
+    "relative error of the force, in which an excess counts more than its size, and disturbance of the contact",
+)
+"""What the errors of force tasks remember of the contact; recorded, not observed."""
+
 LINK_POSITION_BOUND = 1e5
 """Bound of the link's unlimited rotation [rad], which takes 200 s at its largest speed."""
 

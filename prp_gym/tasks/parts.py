@@ -1,5 +1,6 @@
 """What a task is composed of: a world, a start sampler, a reference and an error function."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -88,9 +89,11 @@ class StartSampler(ABC, Generic[StartT]):
 
     Attributes:
         reset_options: Values that `reset(options=...)` takes, by name.
+        greatest_stiffness: Greatest stiffness of the surfaces that are drawn; infinite without surfaces [N/m].
     """
 
     reset_options: Mapping[str, ResetOption]
+    greatest_stiffness: float = math.inf
 
     @abstractmethod
     def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> StartT:

@@ -1,12 +1,13 @@
 """`TaskSpec`: the declaration of a task, and the registry of tasks."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
 from prp_gym.tasks.parts import TaskParts
+from prp_gym.tasks.settling.criterion import SettlingCriterion
 from prp_gym.tasks.setup import TaskSetup
 
 
@@ -16,21 +17,19 @@ class NoOptions:
 
 
 @dataclass(frozen=True)
-class TaskError:
-    """The physical error of a task, against which its reward is audited: a sum of scaled metrics.
+class Criterion:
+    """A quantity by which a control engineer judges an episode, and against which the reward is audited.
+
+    It must not be one of the reward's own signals. Nothing is gained by not doing what the task asks: an
+    episode that does not settle counts as the worst, as does every value beyond it.
 
     Attributes:
-        parts: Scales of the summed metrics, one for each component: errors of one scale count the same.
-        reason: Reason for the choice of this error.
+        metric: Name of a metric with one component, the smaller the better.
+        worst: Largest value that counts, in the unit of the metric.
     """
 
-    parts: Mapping[str, tuple[float, ...]]
-    reason: str
-
-    @property
-    def name(self) -> str:
-        """The name of the error in tables."""
-        return " + ".join(self.parts)
+    metric: str
+    worst: float
 
 
 @dataclass(frozen=True)
@@ -39,11 +38,13 @@ class TaskScoring:
 
     Attributes:
         columns: Metrics whose medians are the columns of the task's tables, in their order.
-        error: Physical error for the audit of the reward; None leaves the task out of the audit.
+        criteria: Criteria for the audit of the reward; none leave the task out of the audit.
+        settling: Criterion by which the task's responses count as settled; None leaves settling undefined.
     """
 
     columns: tuple[str, ...] = ()
-    error: TaskError | None = None
+    criteria: tuple[Criterion, ...] = ()
+    settling: SettlingCriterion | None = None
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,11 @@ class Task:
         """The impedance to be rendered: axes (6) of `inertia`, `damping`, `stiffness`; empty without one."""
         return self.parts.errors.target_impedance
 
+    @property
+    def greatest_stiffness(self) -> float:
+        """The greatest stiffness of the surfaces that are drawn [N/m]; infinite without surfaces."""
+        return self.parts.starts.greatest_stiffness
+
     def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> "Simulation":
         """See `World.make_physics`."""
         return self.parts.world.make_physics(timestep, num_envs, num_threads)

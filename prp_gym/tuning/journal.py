@@ -12,12 +12,13 @@ from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.files.json_text import parse_json
 from prp_gym.files.typed_reader import TypedReader
 from prp_gym.tuning.candidates import Space
+from prp_gym.tuning.widening import widest
 
 JOURNAL = "study.log"
 STUDY_NAME, KEY_OF_SEARCH = "tuning", "key"
 _REMEDY = "It is left as it is; to search anew, move it away or choose another folder with --output"
 _STUDY, _ATTRIBUTE, _TRIAL = 0, 2, 4  # Optuna's codes of the operations that a search writes
-_ATTRIBUTES = frozenset(("steps", "seconds"))
+_ATTRIBUTES = frozenset(("steps", "seconds", "by_scenario", "stopped"))
 _COMPLETE = 1
 
 
@@ -57,7 +58,7 @@ class TrialLine:
         value: score of the trial.
         params: factors by the names of the parameters.
         distributions: distributions of the factors, as Optuna's JSON.
-        user_attrs: steps and seconds of the trial, and the checksum.
+        user_attrs: steps, seconds and scores of the trial, whether it was stopped, and the checksum.
     """
 
     study_id: int
@@ -77,7 +78,7 @@ def trial_checksum(
         score: score of the trial.
         params: factors by the names of the parameters.
         distributions: distributions of the factors, as Optuna's JSON.
-        attributes: steps and seconds of the trial.
+        attributes: steps, seconds and scores of the trial, and whether it was stopped.
     """
     return checksum([score, dict(params), dict(distributions), dict(attributes)])
 
@@ -153,15 +154,20 @@ def _check_line(path: Path, line: Any, space: Space) -> Mapping[str, Any]:
 
 def _check_trial(trial: TrialLine, space: Space) -> None:
     attributes = dict(trial.user_attrs)
-    digest = attributes.pop(KEY, None)  # journals of version 0.1 have none
+    digest = attributes.pop(KEY, None)
     if set(attributes) != _ATTRIBUTES or type(attributes["steps"]) is not int:
-        raise ValueError("its user_attrs are not steps and seconds")
+        raise ValueError(f"its user_attrs are not {', '.join(sorted(_ATTRIBUTES))}")
     if type(attributes["seconds"]) not in (int, float) or attributes["steps"] < 0:
         raise ValueError("its steps or seconds are no numbers from 0 on")
+    scores = attributes["by_scenario"]
+    if not isinstance(scores, list) or not scores or not all(type(score) is float for score in scores):
+        raise ValueError("its by_scenario is no list of scores")
+    if type(attributes["stopped"]) is not bool:
+        raise ValueError("its stopped is neither true nor false")
     found = trial_checksum(trial.value, trial.params, trial.distributions, attributes)
-    if digest is not None and digest != found:
+    if digest != found:
         raise ValueError("its checksum does not fit the rest")
-    bounds = {item.name: (item.low, item.high) for item in space.parameters}
+    bounds = {item.name: widest(item) for item in space.parameters}
     if trial.state != _COMPLETE or set(trial.params) != set(bounds):
         raise ValueError("its parameters are not those of this search, or it is not complete")
     for name, (low, high) in bounds.items():

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from prp_gym.tuning.candidates import Space
+from prp_gym.tuning.search_space import Parameter
 from prp_gym.tuning.trial import Trial
 
 _FIRST_LENGTH = 0.3  # standard deviation of a factor's logarithm
@@ -15,7 +15,7 @@ _LONGER = 1.5  # after a success; four failures take it back
 
 def is_local(index: int) -> bool:
     """Whether the candidate with this index is a step from the best one before it; the first is not."""
-    return index % 3 > 0
+    return index % 6 > 0
 
 
 def step_length(trials: Sequence[Trial]) -> float:
@@ -32,17 +32,19 @@ def step_length(trials: Sequence[Trial]) -> float:
     return length
 
 
-def local_step(space: Space, trials: Sequence[Trial], rng: np.random.Generator) -> dict[str, float]:
+def local_step(
+    parameters: Sequence[Parameter], trials: Sequence[Trial], rng: np.random.Generator
+) -> dict[str, float]:
     """The best factors so far, each times a log-normal one, within their ranges.
 
     Args:
-        space: search space of the factors.
+        parameters: parameters with the ranges of their factors.
         trials: finished trials, at least one.
         rng: random generator of the step.
     """
     best = max(trials, key=lambda trial: trial.score)
-    shifts = step_length(trials) * rng.standard_normal(len(space.parameters))
+    shifts = step_length(trials) * rng.standard_normal(len(parameters))
     return {
         item.name: min(max(best.factors[item.name] * math.exp(shift), item.low), item.high)
-        for item, shift in zip(space.parameters, shifts.tolist(), strict=True)
+        for item, shift in zip(parameters, shifts.tolist(), strict=True)
     }

@@ -6,7 +6,8 @@ multiplied by the factor raised to these powers. So a bandwidth ω and a damping
 K_D ~ ζω, and with a target inertia M that keeps both, K_P ~ M ω², K_D ~ M ζω. A setting that is a vector
 names what it has components `of`; then there is one parameter for every group of components (each joint;
 translation and rotation; inertia, viscous and Coulomb friction, or each parameter of the link), or for those
-in `groups` alone.
+in `groups` alone. A search widens the range of a factor where its best candidate lies at the edge, unless
+that end is a physical limit or one of stability, whose reason stands in `limit_low` or `limit_high`.
 """
 
 import math
@@ -54,6 +55,8 @@ class Parameter:
         high: largest factor [1].
         powers: exponents of the factor, by the names of the settings that the powers multiply.
         components: indices of the components that are multiplied in settings that are vectors.
+        limits: reasons for which the smallest and the largest factor are limits; empty for an end that a
+            search may move.
     """
 
     name: str
@@ -61,6 +64,7 @@ class Parameter:
     high: float
     powers: Mapping[str, float]
     components: _Components
+    limits: tuple[str, str] = ("", "")
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,14 +133,15 @@ def _expand(name: str, row: Mapping[str, Any], settings: Settings) -> Iterator[P
     """
     low, high = _range(name, row.get("range"))
     powers = _powers(name, row.get("powers"), settings)
+    limits = (_limit(name, row, "limit_low"), _limit(name, row, "limit_high"))
     if "of" not in row:
-        yield Parameter(name, low, high, powers, ...)
+        yield Parameter(name, low, high, powers, ..., limits)
         return
     groups = _groups(name, str(row["of"]), np.size(getattr(settings, next(iter(powers)))))
     for group in row.get("groups", groups):
         if group not in groups:
             raise InvalidValueError(f"group of search parameter {name!r}", group, ", ".join(groups))
-        yield Parameter(f"{name}_{group}", low, high, powers, groups[group])
+        yield Parameter(f"{name}_{group}", low, high, powers, groups[group], limits)
 
 
 def _range(name: str, given: Any) -> tuple[float, float]:
@@ -148,6 +153,14 @@ def _range(name: str, given: Any) -> tuple[float, float]:
     if not 0.0 < low <= 1.0 <= high < math.inf:
         raise InvalidValueError(f"range of search parameter {name!r}", given, "[low, high] around 1, above 0")
     return low, high
+
+
+def _limit(name: str, row: Mapping[str, Any], key: str) -> str:
+    """The reason for which an end of the range is a limit; empty where it is none."""
+    reason = row.get(key, "")
+    if not isinstance(reason, str) or (key in row and not reason.strip()):
+        raise InvalidValueError(f"{key} of search parameter {name!r}", reason, "the reason, as text")
+    return reason
 
 
 def _powers(name: str, given: Any, settings: Settings) -> Mapping[str, float]:

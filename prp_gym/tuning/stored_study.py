@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from copy import copy
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,9 @@ from prp_gym.files.checksum import KEY
 from prp_gym.tuning.candidates import Space
 from prp_gym.tuning.journal import JOURNAL, KEY_OF_SEARCH, STUDY_NAME, read_key, trial_checksum
 from prp_gym.tuning.local_step import is_local, local_step
+from prp_gym.tuning.search_space import Parameter
 from prp_gym.tuning.trial import Trial
+from prp_gym.tuning.widening import Ranges, ranges_after
 
 if TYPE_CHECKING:
     import optuna
@@ -36,10 +37,10 @@ class _LockOfFolder:
 class StoredStudy:
     """Proposals for candidates, and their scores.
 
-    The first candidate is the centre of the space. Of the others, one in three comes from Optuna's sampler
-    (TPE), which looks everywhere and learns from all trials; two are steps from the best one so
+    The first candidate is the centre of the space. Of the others, one in six comes from Optuna's sampler
+    (TPE), which looks everywhere and learns from all trials; five are steps from the best one so
     far, since in many dimensions a small budget finds little that is better than gains already good but near
-    them.
+    them. The ranges of the factors grow where the best candidate lies at their edge; see `ranges_after`.
 
     The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
     goes on makes the same proposals as one that was not. The journal holds finished trials alone, each
@@ -64,55 +65,76 @@ class StoredStudy:
     def __init__(self, folder: Path, space: Space, key: Mapping[str, Any], seed: int, resume: bool) -> None:
         self._optuna = _import_optuna()
         self._space, self._seed, self._key = space, seed, dict(key)
-        self._study = self._optuna.create_study(direction="maximize")
         self._journal = self._open_journal(folder, resume)
         if not self._journal.user_attrs:
             self._journal.set_user_attr(KEY_OF_SEARCH, self._key)
-        self._study.add_trials(self._journal.get_trials(deepcopy=False))
-        self.trials = [_read(trial) for trial in self._study.get_trials(deepcopy=False)]
+        self.trials = [_read(trial) for trial in self._journal.get_trials(deepcopy=False)]
+
+    @property
+    def ranges(self) -> Ranges:
+        """The ranges of the factors after the trials so far."""
+        return ranges_after(self._space.parameters, self.trials)
 
     def propose(self) -> dict[str, float]:
         """The factors of the next candidate; those of the first are 1."""
         index = len(self.trials)
-        seeds = np.random.SeedSequence((self._seed, index))
-        self._study.sampler = self._optuna.samplers.TPESampler(seed=int(seeds.generate_state(1)[0]))
         if index == 0:
-            self._study.enqueue_trial(self._space.start)
-        elif is_local(index):
-            step = local_step(self._space, self.trials, np.random.default_rng(seeds))
-            self._study.enqueue_trial(step)
-        kind = self._optuna.distributions.FloatDistribution
-        self._open = self._study.ask(
-            {item.name: kind(item.low, item.high, log=True) for item in self._space.parameters}
-        )
-        return dict(self._open.params)
+            return self._space.start
+        seeds = np.random.SeedSequence((self._seed, index))
+        parameters = self.ranges.parameters
+        if is_local(index):
+            return local_step(parameters, self.trials, np.random.default_rng(seeds))
+        return self._sample(parameters, int(seeds.generate_state(1)[0]))
 
-    def record(self, score: float, steps: int, seconds: float) -> Trial:
-        """Finish the candidate that was proposed last, and keep it.
+    def record(self, trial: Trial) -> None:
+        """Keep a finished trial.
 
         Raises:
             OutputError: the folder was removed, or cannot be written to.
         """
-        self._open.set_user_attr("steps", steps)
-        self._open.set_user_attr("seconds", seconds)
-        finished = self._study.tell(self._open, score)
         try:
             require_folder(self._path.parent)
-            self._journal.add_trial(self._sealed(finished))
+            self._journal.add_trial(self._sealed(trial))
         except OSError as error:  # a line that was not written to its end is taken away by the next run
             raise OutputError(self._path, error) from error
-        self.trials.append(_read(finished))
-        return self.trials[-1]
+        self.trials.append(trial)
 
-    def _sealed(self, finished: optuna.trial.FrozenTrial) -> optuna.trial.FrozenTrial:
-        """A finished trial with a checksum among its attributes."""
+    def _sample(self, parameters: Sequence[Parameter], seed: int) -> dict[str, float]:
+        """A candidate of Optuna's sampler, which sees all trials in the ranges as they are now."""
+        sampler = self._optuna.samplers.TPESampler(seed=seed, multivariate=True)
+        study = self._optuna.create_study(direction="maximize", sampler=sampler)
+        distributions = self._distributions(parameters)
+        study.add_trials([self._frozen(trial, distributions, {}) for trial in self.trials])
+        return dict(study.ask(distributions).params)
+
+    def _distributions(self, parameters: Sequence[Parameter]) -> dict[str, Any]:
+        kind = self._optuna.distributions.FloatDistribution
+        return {item.name: kind(item.low, item.high, log=True) for item in parameters}
+
+    def _frozen(
+        self, trial: Trial, distributions: Mapping[str, Any], attributes: Mapping[str, Any]
+    ) -> optuna.trial.FrozenTrial:
+        frozen: optuna.trial.FrozenTrial = self._optuna.trial.create_trial(
+            params=dict(trial.factors),
+            distributions=dict(distributions),
+            value=trial.score,
+            user_attrs=dict(attributes),
+        )
+        return frozen
+
+    def _sealed(self, trial: Trial) -> optuna.trial.FrozenTrial:
+        """A finished trial for the journal, with a checksum among its attributes."""
+        distributions = self._distributions(self.ranges.parameters)
         to_json = self._optuna.distributions.distribution_to_json
-        distributions = {name: to_json(item) for name, item in finished.distributions.items()}
-        attributes = finished.user_attrs
-        digest = trial_checksum(finished.values[0], finished.params, distributions, attributes)
-        sealed = copy(finished)
-        sealed.user_attrs = {**attributes, KEY: digest}
-        return sealed
+        plain = {name: to_json(item) for name, item in distributions.items()}
+        attributes = {
+            "steps": trial.steps,
+            "seconds": trial.seconds,
+            "by_scenario": list(trial.by_scenario),
+            "stopped": trial.stopped,
+        }
+        digest = trial_checksum(trial.score, trial.factors, plain, attributes)
+        return self._frozen(trial, distributions, {**attributes, KEY: digest})
 
     def _open_journal(self, folder: Path, resume: bool) -> optuna.Study:
         path = self._path = folder / JOURNAL
@@ -147,8 +169,10 @@ class StoredStudy:
 
 
 def _read(trial: optuna.trial.FrozenTrial) -> Trial:
-    attributes = trial.user_attrs
-    return Trial(dict(trial.params), float(trial.values[0]), attributes["steps"], attributes["seconds"])
+    known = trial.user_attrs
+    scores = tuple(float(score) for score in known["by_scenario"])
+    score = float(trial.values[0])
+    return Trial(dict(trial.params), score, known["steps"], known["seconds"], scores, known["stopped"])
 
 
 def _import_optuna() -> Any:

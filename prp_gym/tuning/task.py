@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from prp_gym.checks import LARGEST_WHOLE, whole
+from prp_gym.errors import InvalidValueError
 
 TRAINING_SEEDS = 1_000_000
 """Number of episode seeds of one seed of the search; those of search k begin at (k + 1) times this."""
@@ -20,28 +21,32 @@ class TuningTask:
     Attributes:
         environment_id: id of the environment, as `gymnasium.make` takes it.
         controller: name of the controller.
-        scenario: scenario of the environment.
+        scenarios: scenarios of the environment, over whose mean scores the mean is taken; each once.
         control_frequency: control frequency of the environment [Hz].
         budget: control steps that may be simulated, of all environments together.
-        episodes: number of episodes of every candidate; all candidates have the same episodes.
+        episodes: number of episodes of every candidate, divided evenly among the scenarios; all candidates
+            have the same episodes.
         seed: seed of the search and of its episodes.
 
     Raises:
-        InvalidValueError: a number that is not whole or too small, or too large a seed.
+        InvalidValueError: a number that is not whole or too small, or too large a seed; no scenario, or one
+            twice.
     """
 
     environment_id: str
     controller: str
-    scenario: str
+    scenarios: tuple[str, ...]
     control_frequency: float
     budget: int
-    episodes: int = 20
+    episodes: int = 24
     seed: int = 0
 
     def __post_init__(self) -> None:
+        if not self.scenarios or len(set(self.scenarios)) < len(self.scenarios):
+            raise InvalidValueError("scenarios", self.scenarios, "at least one, each once")
         for name, least, most in (
             ("budget", 1, LARGEST_WHOLE),
-            ("episodes", 1, TRAINING_SEEDS),
+            ("episodes", 1, TRAINING_SEEDS - len(self.scenarios)),
             ("seed", 0, _SEARCHES - 1),
         ):
             whole(name, getattr(self, name), least, most)

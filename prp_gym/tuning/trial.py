@@ -1,6 +1,6 @@
 """A candidate, and its score."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 
@@ -10,12 +10,21 @@ class Trial:
 
     Attributes:
         factors: factors of the search space, by the names of its parameters.
-        score: mean score over the episodes [1].
+        score: mean score over the scenarios [1]; an estimate where the candidate was stopped.
         steps: control steps that the trial uses of the budget.
         seconds: wall time of the trial [s].
+        by_scenario: mean score over the episodes of each scenario that was run, in their order [1].
+        stopped: whether further scenarios were left out, the candidate being far worse than the best one.
     """
 
     factors: Mapping[str, float]
     score: float
     steps: int
     seconds: float
+    by_scenario: tuple[float, ...] = ()
+    stopped: bool = False
+
+
+def best_trial(trials: Sequence[Trial]) -> Trial | None:
+    """The first of the best trials that were run in all scenarios; None where there is none."""
+    return max((trial for trial in trials if not trial.stopped), key=lambda trial: trial.score, default=None)

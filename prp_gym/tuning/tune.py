@@ -1,7 +1,7 @@
-"""`tune`: candidates are evaluated until the budget is spent; the best one is the result."""
+"""`tune`: candidates are evaluated until the budget is spent."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -9,16 +9,19 @@ import gymnasium
 
 from prp_gym.baselines import CONTROLLERS, ControllerSpec, make_baseline
 from prp_gym.baselines.base.gains import load_gains
-from prp_gym.errors import InvalidValueError, PRPError
-from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.errors import InvalidValueError
 from prp_gym.tuning.candidates import Candidates
-from prp_gym.tuning.episodes import Episodes
+from prp_gym.tuning.objective import Objective
 from prp_gym.tuning.search_space import SearchSpace
 from prp_gym.tuning.task import TuningTask
-from prp_gym.tuning.trial import Trial
+from prp_gym.tuning.trial import Trial, best_trial
+from prp_gym.tuning.widening import Ranges
 
 TUNED, SLOW = "tuned", "tuned_50hz"
 """Gain sets from which searches start."""
+
+EXTRA = 0.25
+"""Share of the budget that is added while the best candidate lies at an edge that is no limit."""
 
 
 class Study(Protocol):
@@ -26,29 +29,34 @@ class Study(Protocol):
 
     trials: list[Trial]
 
+    @property
+    def ranges(self) -> Ranges:
+        """The ranges of the factors after the trials so far."""
+
     def propose(self) -> dict[str, float]:
         """The factors of the next candidate."""
 
-    def record(self, score: float, steps: int, seconds: float) -> Trial:
-        """Finish the candidate that was proposed last."""
+    def record(self, trial: Trial) -> None:
+        """Keep a finished trial."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tuned:
-    """Result of a search.
+    """What a search has tried.
 
     Attributes:
         trials: all candidates in their order; the first has the gains from which the search started.
-        settings: settings of the best candidate, by name.
+        ranges: ranges of the factors at the end, and the edges at which the best candidate lies.
     """
 
     trials: Sequence[Trial]
-    settings: Mapping[str, Any]
+    ranges: Ranges
 
     @property
     def best(self) -> Trial:
         """The first trial with the highest score."""
-        return max(self.trials, key=lambda trial: trial.score)
+        best = best_trial(self.trials)
+        return self.trials[0] if best is None else best
 
     @property
     def used_steps(self) -> int:
@@ -56,16 +64,15 @@ class Tuned:
         return sum(trial.steps for trial in self.trials)
 
     @property
-    def history(self) -> list[tuple[int, float]]:
-        """Control steps and best score so far, wherever it rose, and at the end."""
-        points: list[tuple[int, float]] = []
-        used, best = 0, -1.0
+    def history(self) -> list[tuple[int, Trial]]:
+        """Control steps and best trial so far, wherever its score rose, and at the end."""
+        points: list[tuple[int, Trial]] = []
+        used = 0
         for trial in self.trials:
             used += trial.steps
-            if trial.score > best:
-                best = trial.score
-                points.append((used, best))
-        return points if points[-1][0] == used else [*points, (used, best)]
+            if not points or (not trial.stopped and trial.score > points[-1][1].score):
+                points.append((used, trial))
+        return points if points[-1][0] == used else [*points, (used, points[-1][1])]
 
 
 def start_gains(controller: ControllerSpec, environment_id: str, control_frequency: float) -> str:
@@ -85,7 +92,7 @@ def make_candidates(task: TuningTask, env: gymnasium.Env[Any, Any]) -> Candidate
 
     Args:
         task: controller, environment and budget.
-        env: the environment of the task.
+        env: the environment of the task in one of its scenarios.
 
     Raises:
         PRPError: a controller that does not exist, or does not run on the environment or at its control
@@ -98,8 +105,7 @@ def make_candidates(task: TuningTask, env: gymnasium.Env[Any, Any]) -> Candidate
 
 def tune(
     task: TuningTask,
-    env: gymnasium.Env[Any, Any],
-    candidates: Candidates,
+    objective: Objective,
     study: Study,
     on_trial: Callable[[Trial], None] = lambda trial: None,
 ) -> Tuned:
@@ -109,42 +115,36 @@ def tune(
     candidate vary from episode to episode by far more than those of good candidates from one another. How
     much the search has gained by chance on these episodes is shown by others that no search uses.
 
-    A candidate counts the control steps that were simulated; one that the controller refuses scores 0 and
-    counts as if all its episodes had been simulated.
+    A candidate counts the control steps that were simulated. Where the best one lies at an edge of its range
+    that is no limit, the search goes on in the wider range for up to `EXTRA` of the budget more.
 
     Args:
         task: controller, environment and budget.
-        env: the environment of the task.
-        candidates: policies that the search evaluates, by their factors.
+        objective: what is maximised, on the training episodes of the task.
         study: search method that proposes factors.
         on_trial: function that is called after each new trial, for progress bars.
 
     Returns:
-        the trials and the best settings.
+        the trials, and the edges at which the best one lies.
 
     Raises:
         InvalidValueError: a budget that is too small for one candidate.
     """
-    seeds = range(task.first_seed, task.first_seed + episodes_to_run(env, task.episodes))
-    episodes = Episodes(env, seeds)
-    if task.budget < episodes.most_steps:
-        raise InvalidValueError("budget", task.budget, f"at least {episodes.most_steps}, one trial", "steps")
+    if task.budget < objective.most_steps:
+        raise InvalidValueError("budget", task.budget, f"at least {objective.most_steps}, one trial", "steps")
     used = sum(trial.steps for trial in study.trials)
-    while used + episodes.most_steps <= task.budget:
+    while used + objective.most_steps <= _allowed(task, study):
         before = time.perf_counter()
-        score, steps = _score(candidates, study.propose(), episodes)
-        trial = study.record(score, steps, time.perf_counter() - before)
+        factors = study.propose()
+        found = objective.measure(factors, best_trial(study.trials))
+        seconds = time.perf_counter() - before
+        trial = Trial(factors, found.score, found.steps, seconds, found.by_scenario, found.stopped)
+        study.record(trial)
         used += trial.steps
         on_trial(trial)
-    best = max(study.trials, key=lambda trial: trial.score)
-    return Tuned(tuple(study.trials), candidates.space.settings(best.factors))
+    return Tuned(tuple(study.trials), study.ranges)
 
 
-def _score(candidates: Candidates, factors: Mapping[str, float], episodes: Episodes) -> tuple[float, int]:
-    """The mean score of a candidate, and the control steps that it counts."""
-    try:
-        policy = candidates.make(factors)
-    except PRPError:
-        return 0.0, episodes.most_steps
-    scores, steps = episodes.run(policy)
-    return float(scores.mean()), steps
+def _allowed(task: TuningTask, study: Study) -> float:
+    """Control steps that the search may use, given where its best candidate lies."""
+    return task.budget * (1.0 + EXTRA) if study.ranges.is_open else task.budget

@@ -16,23 +16,10 @@ from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.files.typed_reader import TypedReader
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tuning.validation import Validation
 
-
-@dataclass(frozen=True, kw_only=True)
-class Validation:
-    """Mean scores on episodes that the search did not use, and that its budget does not count.
-
-    Attributes:
-        seed: seed of the first episode.
-        episodes: number of episodes.
-        score: score of the settings that were found [1].
-        score_of_tuned: score of the gains from which the search started [1].
-    """
-
-    seed: int
-    episodes: int
-    score: float
-    score_of_tuned: float
+SEARCHES = "searches"
+"""Folder of the package, beside the controllers, with the records of the searches for their `tuned` gains."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,19 +29,23 @@ class TunedController:
     Attributes:
         environment: id of the environment.
         controller: name of the controller.
-        scenario: scenario of the training episodes.
+        scenarios: scenarios of the training episodes.
         control_frequency: control frequency of the environment [Hz].
         settings: all settings of the controller but its model, as `make_baseline` takes them.
-        budget_steps: control steps that the search was allowed, of all environments together.
+        budget_steps: control steps that the search was allowed, of all environments together, without the
+            share that is added where the best candidate lies at an edge.
         used_steps: control steps that were simulated.
         simulated_seconds: simulated time of these steps [s].
         trials: number of candidates; the first has the gains from which the search started.
-        episodes: number of episodes of each candidate.
-        seconds: wall time of the search [s].
+        episodes: number of training episodes of each candidate, of all scenarios together.
+        seconds: wall time of the search, without that of the validation [s].
         history: control steps and best score so far, wherever it rose, and at the end.
-        score: mean score over the training episodes [1].
-        score_of_tuned: mean score of the first candidate, on the same episodes [1].
-        validation: scores of the same settings on other episodes.
+        history_by_scenario: scores of the same candidates in each scenario [1].
+        score: mean score of the settings over the training episodes, before they were rounded [1].
+        score_of_start: mean score of the first candidate, on the same episodes [1].
+        edges: reasons for which the best candidate of the search lies at an edge of its range, by parameter
+            and end; a declared limit, or that it is none.
+        validation: scores on other episodes, from which the settings were chosen.
         seed: seed of the search.
         command: command line that ran the search.
         versions: versions of Python and of the packages that the result depends on.
@@ -63,7 +54,7 @@ class TunedController:
 
     environment: str
     controller: str
-    scenario: str
+    scenarios: tuple[str, ...]
     control_frequency: float
     settings: Mapping[str, Any]
     budget_steps: int
@@ -73,8 +64,10 @@ class TunedController:
     episodes: int
     seconds: float
     history: tuple[tuple[int, float], ...]
+    history_by_scenario: Mapping[str, tuple[float, ...]]
     score: float
-    score_of_tuned: float
+    score_of_start: float
+    edges: Mapping[str, str]
     validation: Validation
     seed: int
     command: str
@@ -157,14 +150,19 @@ def read_tuned_controller(content: Any, path: Path) -> TunedController:
 
 def _check(found: TunedController) -> None:
     """Refuse names that are not declared, and settings that the controller refuses."""
-    valid: dict[str, Iterable[str]] = {"environment": list_envs(), "scenario": SCENARIOS}
+    named: list[tuple[str, str, Iterable[str]]] = [("environment", found.environment, list_envs())]
+    named += [("scenario", scenario, SCENARIOS) for scenario in found.scenarios]
     if not found.code:
-        valid["controller"] = CONTROLLERS
-    for name, names in valid.items():
-        if getattr(found, name) not in names:
-            raise UnknownNameError(name, getattr(found, name), names)
+        named.append(("controller", found.controller, CONTROLLERS))
+    for what, name, names in named:
+        if name not in names:
+            raise UnknownNameError(what, name, names)
     if not found.history:
         raise InvalidValueError("history", found.history, "at least one row of steps and score")
+    rows = {name: len(scores) for name, scores in found.history_by_scenario.items()}
+    expected = dict.fromkeys(found.scenarios, len(found.history))
+    if rows != expected:
+        raise InvalidValueError("rows of history_by_scenario", rows, f"as many as in history, {expected}")
     if not found.code:
         kind = CONTROLLERS.find(found.controller).settings_class
         kind.from_mapping(found.controller, found.settings)
@@ -173,7 +171,7 @@ def _check(found: TunedController) -> None:
 @cache
 def _shipped() -> dict[str, Path]:
     """The files beside the baselines, by name."""
-    folder = Path(str(files("prp_gym.baselines").joinpath("equal_budget")))
+    folder = Path(str(files("prp_gym.baselines").joinpath(SEARCHES)))
     return {
         f"{environment_id}/{controller}": path
         for environment_id in list_envs()

@@ -53,7 +53,7 @@ def test_torque_is_the_inverse_dynamics_of_the_wanted_acceleration(
     given = observed(1, 50)
     q, velocity = given["joint_position"], given["joint_velocity"]
     expected = per_row(oracle.inverse_dynamics, q, velocity, wanted_acceleration(given), np.zeros_like(q))
-    torque = controller(model=model).torque(given)
+    torque = controller(model=model).control(given, ())[0]
     np.testing.assert_allclose(torque, expected, rtol=ROUNDING, atol=ROUNDING)
 
 
@@ -64,7 +64,7 @@ def test_torque_is_inertia_times_acceleration_and_bias(model: RobotParameters, o
     bias = per_row(oracle.inverse_dynamics, q, velocity, still, still)
     inertia = per_row(oracle.inertia_matrix, q)
     expected = np.einsum("nij,nj->ni", inertia, wanted_acceleration(given)) + bias
-    torque = controller(model=model).torque(given)
+    torque = controller(model=model).control(given, ())[0]
     np.testing.assert_allclose(torque, expected, rtol=ROUNDING, atol=ROUNDING)
 
 
@@ -74,7 +74,7 @@ def test_exact_model_gives_every_joint_the_wanted_acceleration(
 ) -> None:
     given = observed(3, 50)
     q, velocity = given["joint_position"], given["joint_velocity"]
-    torque = controller(model=model).torque(given)
+    torque = controller(model=model).control(given, ())[0]
     acceleration = per_row(oracle.forward_dynamics, q, velocity, torque, np.zeros_like(q))
     # the inertia matrix is inverted: its condition number, up to 1e3, multiplies the rounding
     np.testing.assert_allclose(acceleration, wanted_acceleration(given), rtol=1e-9, atol=1e-9)
@@ -84,7 +84,7 @@ def test_link_mass_errors_do_not() -> None:
     given = observed(4, 50)
     q, velocity = given["joint_position"], given["joint_velocity"]
     inaccurate = NOMINAL.with_masses((0.9, 0.5, 0.7))
-    torque = controller(model=inaccurate).torque(given)
+    torque = controller(model=inaccurate).control(given, ())[0]
     acceleration = per_row(PinocchioArm().forward_dynamics, q, velocity, torque, np.zeros_like(q))
     # every mass is at least 14 % too small
     missing = np.linalg.norm(acceleration - wanted_acceleration(given), axis=1)
@@ -95,7 +95,7 @@ def test_friction_of_the_model_is_compensated() -> None:
     given = observed(5, 20)
     viscous, coulomb = (0.5, 2.0, 0.1), (0.3, 1.5, 0.05)
     rough = replace(NOMINAL, viscous_friction=viscous, coulomb_friction=coulomb)
-    extra = controller(model=rough).torque(given) - controller().torque(given)
+    extra = controller(model=rough).control(given, ())[0] - controller().control(given, ())[0]
     velocity = given["joint_velocity"]
     expected = np.array(viscous) * velocity + np.array(coulomb) * np.sign(velocity)
     np.testing.assert_allclose(extra, expected, rtol=ROUNDING, atol=ROUNDING)
@@ -112,7 +112,7 @@ def test_arm_on_its_reference_needs_the_reference_s_own_torques() -> None:
     }
     expected = per_row(PinocchioArm().inverse_dynamics, q, velocity, acceleration, np.zeros_like(q))
     for gains in (K_P, 0.0, 1e3):
-        torque = controller(proportional_gain=gains, derivative_gain=gains).torque(on_reference)
+        torque = controller(proportional_gain=gains, derivative_gain=gains).control(on_reference, ())[0]
         np.testing.assert_allclose(torque, expected, rtol=ROUNDING, atol=ROUNDING)
 
 
@@ -123,6 +123,6 @@ def test_model_is_nominal_unless_named() -> None:
 
 def test_link_is_controlled_by_the_same_controller() -> None:
     pendulum = JointInverseDynamicsController(LINK_INTERFACE, JointInverseDynamicsSettings(7.0, 2.0))
-    torque = pendulum.torque(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 1.1]))
+    torque = pendulum.control(pendulum.interface.layout.split([0.3, -0.5, 0.6, 0.7, 1.1]), ())[0]
     y = 1.1 + 2.0 * 1.2 + 7.0 * 0.3
     assert torque == pytest.approx(0.5 * y - 0.15 * 0.5 + 1.85 * np.sin(0.3), rel=1e-13)

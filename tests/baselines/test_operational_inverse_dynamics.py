@@ -56,7 +56,7 @@ def test_torque_is_the_inverse_dynamics_of_the_resolved_acceleration(
     model: RobotParameters, oracle: PinocchioArm, damping: float
 ) -> None:
     given = random_pose_observation(oracle, 1, 40)
-    torque = controller(model=model, pseudoinverse_damping=damping).torque(given)
+    torque = controller(model=model, pseudoinverse_damping=damping).control(given, ())[0]
     for row, a in enumerate(wanted(given)):
         q, velocity = given["joint_position"][row], given["joint_velocity"][row]
         # a damped pseudoinverse is the plain one of the matrix with λI below it
@@ -69,7 +69,7 @@ def test_torque_is_the_inverse_dynamics_of_the_resolved_acceleration(
 def test_what_the_joints_can_do_of_the_wanted_acceleration_is_done() -> None:
     oracle = PinocchioArm()
     given = random_pose_observation(oracle, 2, 40)
-    reached = pose_acceleration(oracle, given, controller().torque(given), np.zeros((40, 3)))
+    reached = pose_acceleration(oracle, given, controller().control(given, ())[0], np.zeros((40, 3)))
     left = column_space_of(oracle, given, wanted(given) - reached)
     np.testing.assert_allclose(left, 0.0, atol=DIFFERENCES)
 
@@ -79,7 +79,7 @@ def test_compensated_contact_changes_nothing_and_ignored_contact_does() -> None:
     given = random_pose_observation(oracle, 3, 40)
     left = {}
     for contact in ("compensated", "ignored"):
-        torque = controller(contact=contact).torque(given)
+        torque = controller(contact=contact).control(given, ())[0]
         reached = pose_acceleration(oracle, given, torque, given["contact_force"])
         left[contact] = np.abs(column_space_of(oracle, given, wanted(given) - reached)).max(axis=1)
     np.testing.assert_allclose(left["compensated"], 0.0, atol=DIFFERENCES)

@@ -36,7 +36,7 @@ GAINS = {"proportional_gain": [50.0, 500.0, 50.0], "derivative_gain": [15.0, 150
 TUNED = TunedController(
     environment=ID,
     controller="joint_pd",
-    scenario="randomized",
+    scenarios=("randomized",),
     control_frequency=500.0,
     settings=GAINS,
     budget_steps=5000,
@@ -46,9 +46,21 @@ TUNED = TunedController(
     episodes=5,
     seconds=1.0,
     history=((2500, 0.2), (5000, 0.4)),
+    history_by_scenario={"randomized": (0.2, 0.4)},
     score=0.4,
-    score_of_tuned=0.2,
-    validation=Validation(seed=500_000_000, episodes=5, score=0.4, score_of_tuned=0.2),
+    score_of_start=0.2,
+    edges={},
+    validation=Validation(
+        seed=500_000_000,
+        episodes=5,
+        score=0.4,
+        score_of_start=0.2,
+        kept_start=False,
+        selection_seed=501_000_000,
+        selection_episodes=2,
+        selection=(0.4,),
+        finalists=(0.4,),
+    ),
     seed=0,
     command="prp-gym tune",
     versions={},
@@ -60,7 +72,7 @@ OPTIONS = [
     "--episodes",
     "3",
 ]
-POLICIES = ["joint_pd", "joint_inverse_dynamics", "joint_pd (budget)", "ppo_torque", "zero"]
+POLICIES = ["joint_pd", "joint_inverse_dynamics", "ppo_torque", "zero_torque", "hold"]
 
 
 def shipped_in(folder: Path) -> dict[str, Path]:
@@ -78,8 +90,8 @@ def small_world(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(agent_file, "TRAINED", tmp_path / "trained")
     for seed in (0, 1):
         save(tmp_path / "trained" / ID / f"ppo_torque_seed_{seed}", seed)
-    write_json(tmp_path / "equal_budget" / f"{ID}_joint_pd.json", asdict(TUNED))
-    monkeypatch.setattr(tuned_controller, "_shipped", lambda: shipped_in(tmp_path / "equal_budget"))
+    write_json(tmp_path / "searches" / f"{ID}_joint_pd.json", asdict(TUNED))
+    monkeypatch.setattr(tuned_controller, "_shipped", lambda: shipped_in(tmp_path / "searches"))
 
 
 def run(folder: Path, *options: str) -> tuple[dict[str, Any], str, str]:
@@ -118,17 +130,14 @@ def test_policies_are_run_as_the_evaluator_runs_them(tmp_path: Path) -> None:
     content, _, _ = run(tmp_path / "out", "--scenario", "randomized", "--seed", "4")
     env = gymnasium.make(ID, scenario="randomized", control_frequency=500.0)
     controller = make_baseline("joint_pd", env, "tuned")
-    expected = {
-        "joint_pd": evaluate(controller, env, 3, 4),
-        "joint_pd (budget)": evaluate(make_baseline("joint_pd", env, "tuned", **GAINS), env, 3, 4),
-    }
+    expected = {"joint_pd": evaluate(controller, env, 3, 4)}
     env.close()
     for name, evaluation in expected.items():
         (row,) = (row for row in content["evaluations"] if row["policy"] == name)
         assert row["episodes"] == to_plain(evaluation.metrics)
     periods = {row["policy"]: row["control_period"] for row in content["evaluations"]}
     assert periods == dict.fromkeys(POLICIES, 0.002) | {"ppo_torque": 0.02}
-    (zero,) = (row for row in content["evaluations"] if row["policy"] == "zero")
+    (zero,) = (row for row in content["evaluations"] if row["policy"] == "zero_torque")
     assert np.abs(zero["episodes"]["torque_rms"]).max() == 0.0
 
 
@@ -151,10 +160,7 @@ def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
     again = json.loads(json.dumps(Outcome.of(content["evaluations"], 0).to_plain(), allow_nan=False))
     assert {name: content[name] for name in again} == again
     assert set(again) == {"scores", "pairwise_comparisons", "aggregates", "efforts", "audits"}
-    assert [" (budget)" in pairwise["controller"] for pairwise in content["pairwise_comparisons"]] == [
-        False,
-        True,
-    ] * 2
+    assert len(content["pairwise_comparisons"]) == 2
     pairwise = content["pairwise_comparisons"][0]
     assert (pairwise["agent"], pairwise["verdict"], pairwise["scenario"]) == (
         "ppo_torque",
@@ -165,7 +171,7 @@ def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
     assert by_kind["agent"]["reached"] == 2
     assert by_kind["agent"]["reach"] == {"steps": 2000.0, "simulated_seconds": 40.0, "wall_minutes": 0.2}
     assert by_kind["agent"]["violations"] == 3.0
-    assert by_kind["budget"]["reach"]["steps"] == "inf"
+    assert by_kind["controller"]["reach"]["steps"] == "inf"
     assert [len(audit["policies"]) for audit in content["audits"]] == [len(POLICIES)] * 2
 
 
@@ -196,7 +202,7 @@ def test_deterministic_scenario_is_run_once_and_nothing_learned_leaves_no_curves
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(agent_file, "TRAINED", tmp_path / "none")
-    (tmp_path / "equal_budget" / f"{ID}_joint_pd.json").unlink()
+    (tmp_path / "searches" / f"{ID}_joint_pd.json").unlink()
     content, output, _ = run(tmp_path / "out", "--scenario", "report")
     assert [row["seeds"] for row in content["evaluations"]] == [[0]] * 3
     assert not (tmp_path / "out" / "learning.png").exists()
@@ -222,7 +228,7 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
     left = {path.stem: path.read_bytes() for path in (tmp_path / "out" / "jobs").iterdir()}
     assert set(left) == set(finished)
     content, _, error = run(tmp_path / "out")
-    assert error.startswith("5 of 12 jobs were finished by an interrupted run")
+    assert error.startswith("5 of 10 jobs were finished by an interrupted run")
     records = [json.loads(text)["record"] for text in left.values()]
     assert all(record in content["evaluations"] for record in records)  # measured times included
     _, _, error = run(tmp_path / "out")
@@ -235,7 +241,7 @@ def test_agent_that_was_trained_anew_is_run_again(tmp_path: Path, monkeypatch: p
         run(tmp_path / "out", "--scenario", "randomized")
     save(tmp_path / "trained" / ID / "ppo_torque_seed_1", 1, network=2)
     _, _, error = run(tmp_path / "out", "--scenario", "randomized")
-    assert error == "5 of 6 jobs were finished by an interrupted run and are reused."
+    assert error == "4 of 5 jobs were finished by an interrupted run and are reused."
 
 
 def test_files_that_change_under_way_are_refused(tmp_path: Path) -> None:
@@ -276,7 +282,7 @@ def test_agent_of_an_environment_that_was_not_chosen_is_refused(tmp_path: Path) 
 
 
 def test_tuned_controller_in_the_file_of_another_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
+    path = tmp_path / "searches" / f"{ID}_joint_pd.json"
     path.rename(path.with_name(f"{ID}_joint_inverse_dynamics.json"))
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
     assert isinstance(result.exception, InvalidValueError)
@@ -284,7 +290,7 @@ def test_tuned_controller_in_the_file_of_another_is_refused(tmp_path: Path) -> N
 
 
 def test_damaged_file_of_a_tuned_controller_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    path = tmp_path / "equal_budget" / f"{ID}_joint_pd.json"
+    path = tmp_path / "searches" / f"{ID}_joint_pd.json"
     path.write_text(path.read_text(encoding="utf-8").replace("trials", "trails"), encoding="utf-8")
     result = RUNNER.invoke(app, ["compare", "--output", str(tmp_path / "out"), *OPTIONS])
     assert isinstance(result.exception, DataFileError)

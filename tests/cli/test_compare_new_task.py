@@ -41,7 +41,7 @@ def test_new_task_is_compared_without_agents_and_left_out_of_the_audit(tmp_path:
     assert list_agents(ID) == []
     content, output = run("compare", tmp_path, "--scenario", "randomized", "--audit")
     kinds = {row["kind"] for row in content["evaluations"]}
-    assert kinds == {"controller", "varied", "zero"}
+    assert kinds == {"controller", "varied", "floor"}
     assert content["audits"] == content["pairwise_comparisons"] == content["efforts"] == []
     assert {row["revisions"]["task"] for row in content["evaluations"]} == {4}
     assert f"{ID}, scenario randomized" in output
@@ -51,7 +51,7 @@ def test_new_task_is_compared_without_agents_and_left_out_of_the_audit(tmp_path:
 
 def test_new_task_is_compared_with_one_controller_alone(tmp_path: Path) -> None:
     content, _ = run("compare", tmp_path, "--scenario", "report", "--baseline", "adaptive")
-    assert [row["policy"] for row in content["evaluations"]] == ["adaptive", "zero"]
+    assert [row["policy"] for row in content["evaluations"]] == ["adaptive", "zero_torque", "hold"]
 
 
 def test_new_task_is_evaluated_with_its_columns_and_revision(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from prp_gym.tuning import load_tuned_controller
 RUNNER = CliRunner()
 ENVIRONMENT, CONTROLLER = "PRP-JointRegulation-v0", "joint_pd"
 STEPS = 10
-OPTIONS = ["--env", ENVIRONMENT, "--episodes", "2", "--seed", "3"]
+OPTIONS = ["--env", ENVIRONMENT, "--episodes", "2", "--seed", "3", "--scenario", "randomized"]
 
 
 @pytest.fixture(autouse=True)
@@ -46,10 +46,10 @@ def test_result_says_what_was_spent_and_what_was_found(tmp_path: Path) -> None:
     result = run(tmp_path, "--budget", "109")
     assert result.exit_code == 0, result.output
     controller = load_tuned_controller(tmp_path / f"{ENVIRONMENT}_{CONTROLLER}" / "result.json")
-    assert (controller.environment, controller.controller, controller.scenario) == (
+    assert (controller.environment, controller.controller, controller.scenarios) == (
         ENVIRONMENT,
         CONTROLLER,
-        "randomized",
+        ("randomized",),
     )
     assert (controller.budget_steps, controller.used_steps, controller.trials, controller.episodes) == (
         109,
@@ -64,8 +64,8 @@ def test_result_says_what_was_spent_and_what_was_found(tmp_path: Path) -> None:
     policies = controller.make(env), make_baseline(CONTROLLER, env)
     # the scores of the evaluator, but for sums in another order: on training and on validation episodes
     for seed, episodes, scores in (
-        (4_000_000, 2, (controller.score, controller.score_of_tuned)),
-        (500_000_000, 100, (controller.validation.score, controller.validation.score_of_tuned)),
+        (4_000_000, 2, (controller.score, controller.score_of_start)),
+        (500_000_000, 100, (controller.validation.score, controller.validation.score_of_start)),
     ):
         for policy, score in zip(policies, scores, strict=True):
             mean = evaluate(policy, env, episodes, seed).metrics["score"].mean()
@@ -73,9 +73,9 @@ def test_result_says_what_was_spent_and_what_was_found(tmp_path: Path) -> None:
     env.close()
     for score in (
         controller.score,
-        controller.score_of_tuned,
+        controller.score_of_start,
         controller.validation.score,
-        controller.validation.score_of_tuned,
+        controller.validation.score_of_start,
     ):
         assert f"{score:.4f}" in result.stdout
     assert "5 trials, 100 of 109 steps" in result.stdout

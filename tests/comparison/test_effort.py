@@ -62,9 +62,7 @@ def test_training_in_a_scenario_that_is_not_compared_has_no_goal() -> None:
 
 def test_tuned_controller_has_no_wall_time_and_no_violations() -> None:
     history = {**learning([0.5, 0.9], frequency=500.0), "seconds": [None] * 2, "violations": [None] * 2}
-    (effort,) = learning_efforts(
-        group_conditions([CONTROLLER, record("x (budget)", [0.7] * 4, "budget", history=history)])
-    )
+    (effort,) = learning_efforts(group_conditions([CONTROLLER, record("x", [0.7] * 4, history=history)]))
     assert (effort.reach.steps, effort.reach.simulated_seconds) == (2000.0, 4.0)
     assert np.isnan([effort.reach.wall_minutes, effort.violations]).all()
 

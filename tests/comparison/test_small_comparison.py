@@ -19,18 +19,20 @@ from tests.support.synthetic_comparison import agents, learning, record
 UNKNOWN = "PRP-Unknown-v0"
 RECORDS: dict[str, list[dict[str, Any]]] = {
     "one controller": [record("joint_pd", [0.5, 0.6])],
-    "one episode": [record("joint_pd", [0.5]), record("zero", [0.1], "zero")],
-    "zero torque alone": [record("zero", [0.1, 0.1], "zero")],
-    "zero torque alone in a task without an error": [record("zero", [0.1], "zero", environment_id=UNKNOWN)],
+    "one episode": [record("joint_pd", [0.5]), record("zero_torque", [0.1], "floor")],
+    "zero torque alone": [record("zero_torque", [0.1, 0.1], "floor")],
+    "zero torque alone in a task without an error": [
+        record("zero_torque", [0.1], "floor", environment_id=UNKNOWN)
+    ],
     "agents alone": agents("ppo_torque", np.array([[0.4, 0.6], [0.5, 0.6]])),
     "no agents": [
         record("joint_pd", [0.5, 0.6]),
-        record("joint_pd (budget)", [0.6, 0.6], "budget", history=learning([0.3, 0.6])),
-        record("zero", [0.1, 0.2], "zero"),
+        record("adaptive", [0.6, 0.6], history=learning([0.3, 0.6])),
+        record("zero_torque", [0.1, 0.2], "floor"),
     ],
     "no agents in a task without an error": [
         record("joint_pd", [0.5, 0.6], environment_id=UNKNOWN),
-        record("zero", [0.1, 0.2], "zero", environment_id=UNKNOWN),
+        record("zero_torque", [0.1, 0.2], "floor", environment_id=UNKNOWN),
     ],
 }
 
@@ -49,9 +51,7 @@ def outcome(request: pytest.FixtureRequest) -> Outcome:
 def test_every_table_shows_what_there_is(outcome: Outcome) -> None:
     (condition,) = outcome.conditions
     shown = text_of(condition_table(condition, 0))
-    assert all(
-        (entry.policy if entry.kind != "zero" else "zero torque") in shown for entry in condition.entries
-    )
+    assert all(entry.policy in shown for entry in condition.entries)
     families = text_of(aggregate_table(outcome.aggregates))
     assert [item.family in families for item in outcome.aggregates] == [True] * len(outcome.aggregates)
     assert outcome.pairwise_comparisons == ()

@@ -3,19 +3,22 @@
 import numpy as np
 import pytest
 
+from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
-    BEST_BUDGET_CONTROLLER,
     BEST_CONTROLLER,
     aggregate_tasks,
     compare_best,
     estimate_score,
+    summarise,
     training_spread,
 )
+from prp_gym.comparison.table import condition_scores
 from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation import bootstrap_crossed, bootstrap_interquartile_mean, bootstrap_tasks
-from prp_gym.evaluation.statistics import Estimate
+from prp_gym.evaluation import bootstrap_crossed, bootstrap_mean, bootstrap_tasks
+from prp_gym.evaluation.statistics import Estimate, mean
+from tests.comparison.test_small_comparison import text_of
 from tests.support.synthetic_comparison import Array, agents, record
 
 EPISODES = np.linspace(0.3, 0.9, 20)  # hard and easy ones
@@ -25,7 +28,7 @@ def pairwise(controller: Array, agent: Array) -> tuple[Estimate, bool, str, floa
     records = [
         record("joint_pd", controller),
         *agents("ppo_torque", agent),
-        record("zero", controller + 1.0, "zero"),
+        record("hold", controller + 1.0, "floor"),
     ]
     (found,) = compare_best(group_conditions(records), 0)
     assert (found.controller, found.agent) == ("joint_pd", "ppo_torque")
@@ -59,15 +62,13 @@ def test_training_seeds_that_disagree_leave_it_undecided() -> None:
     assert probability == pytest.approx(2 / 3)
 
 
-def test_best_controller_of_each_kind_is_compared_with_the_best_agent_where_there_is_one() -> None:
+def test_best_controller_is_compared_with_the_best_agent_where_there_is_one() -> None:
     controllers = [record("joint_pd", EPISODES), record("adaptive", EPISODES + 0.05)]
     assert compare_best(group_conditions(controllers), 0) == []
-    others = [record("joint_pd (budget)", EPISODES + 0.08, "budget"), *agents("a", EPISODES[None])]
-    others += agents("b", EPISODES[None] + 0.01)
+    others = [*agents("a", EPISODES[None]), *agents("b", EPISODES[None] + 0.01)]
     found = compare_best(group_conditions([*controllers, *others]), 0)
     assert [(pairwise.controller, pairwise.agent) for pairwise in found] == [
         ("adaptive", "b"),
-        ("joint_pd (budget)", "b"),
     ]
 
 
@@ -75,8 +76,33 @@ def test_agents_are_resampled_over_training_seeds_and_controllers_over_episodes(
     scores = EPISODES[None] + [[0.0], [0.3]]
     controller, agent = Entry.of([record("joint_pd", EPISODES)]), Entry.of(agents("a", scores))
     rng = np.random.default_rng
-    assert estimate_score(controller, 3) == bootstrap_interquartile_mean(EPISODES, rng(3))
-    assert estimate_score(agent, 3) == bootstrap_crossed(scores, rng(3))
+    assert estimate_score(controller, 3) == bootstrap_mean(EPISODES, rng(3))
+    assert estimate_score(agent, 3) == bootstrap_crossed(scores, rng(3), statistic=mean)
+    assert summarise(agent, 3).interquartile_mean == bootstrap_crossed(scores, rng(3))
+
+
+def test_controller_that_is_dead_in_five_of_twenty_episodes_falls_behind_in_every_table() -> None:
+    alive = np.linspace(0.90, 0.92, 20)
+    killed = np.concatenate([alive[:15] + 0.05, np.full(5, 0.1)])
+    records = [record("killed", killed), record("alive", alive), record("hold", np.full(20, 0.4), "floor")]
+    outcome = Outcome.of([*records, *agents("agent", np.full((1, 20), 0.8))], 0)
+    (condition,) = outcome.conditions
+    text = text_of(condition_scores(condition, 0)).splitlines()
+    rows = {line.split()[0]: line.split()[1:] for line in text if line.split() and line.split()[0] in NAMED}
+    assert list(rows) == ["alive", "agent", "killed", "hold"]
+    assert rows["killed"][0] == "0.743"
+    assert rows["killed"][2:4] == ["0.955", "0.100"]  # the middle half does not see what the worst shows
+    assert float(rows["killed"][4]) == pytest.approx((killed.mean() - 0.4) / 0.6, abs=5e-4)
+    (pairwise,) = outcome.pairwise_comparisons
+    assert pairwise.controller == "alive"
+    (best,) = (item for item in outcome.aggregates if item.family == "best controller")
+    assert best.score.value == pytest.approx(alive.mean())
+    (plain,) = (row for row in outcome.to_plain()["scores"] if row["policy"] == "killed")
+    assert plain["score"]["value"] == pytest.approx(killed.mean())
+    assert plain["skill"] == pytest.approx((killed.mean() - 0.4) / 0.6)
+
+
+NAMED = ("alive", "agent", "killed", "hold")
 
 
 def test_spread_is_over_training_seeds() -> None:
@@ -112,23 +138,16 @@ def test_families_are_the_best_of_each_kind_on_each_of_their_tasks() -> None:
         records[-1]["episodes"]["score"] = [[0.95 + shift]] * 20
         records += agents("a", EPISODES[None] + shift, environment_id=environment_id)
     records += agents("b", np.full((2, 20), 0.5), environment_id=first, mode="impedance")
-    records.append(record("x (budget)", EPISODES, "budget", second))
     found = {item.family: item for item in aggregate_tasks(group_conditions(records), 0)}
     assert list(found) == [
         BEST_CONTROLLER,
         BEST_AGENT,
         "agent, torque",
         "agent, impedance",
-        BEST_BUDGET_CONTROLLER,
     ]
-    assert (
-        found[BEST_CONTROLLER].tasks,
-        found["agent, impedance"].tasks,
-        found[BEST_BUDGET_CONTROLLER].tasks,
-    ) == (2, 1, 1)
+    assert (found[BEST_CONTROLLER].tasks, found["agent, impedance"].tasks) == (2, 1)
     assert found[BEST_CONTROLLER].score.value == pytest.approx((0.95 + 0.75) / 2)
     assert found["agent, impedance"].reference.value == pytest.approx(0.95)
-    assert found[BEST_BUDGET_CONTROLLER].reference.value == pytest.approx(0.75)
     profile = found[BEST_CONTROLLER].profile
     assert profile.value[profile.thresholds < 0.74].min() == 1.0
     assert profile.value[(profile.thresholds > 0.76) & (profile.thresholds < 0.94)] == pytest.approx(0.5)

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("prp_gym", "envs", "baselines", "agents")
 SUFFIXES = {".py", ".md", ".toml", ".yml", ".yaml", ""}
 THIS_FILE = Path(__file__).resolve().relative_to(ROOT).as_posix()
-GENERATED_DATA = ("agents/trained/", "baselines/equal_budget/")  # cards with checksums, results of runs
+GENERATED_DATA = ("agents/trained/", "baselines/searches/")  # cards with checksums, results of runs
 
 GAP = r"[\s#\"'`*]+"
 """Between the words of a phrase; it may hold a line break in a comment or between two literals."""

@@ -111,7 +111,7 @@ def test_equal_keywords_make_equal_values() -> None:
 def test_negative_weight_is_refused() -> None:
     terms = [RewardTerm("a", 1.5, (1.0,), ("m",)), RewardTerm("b", -0.5, (1.0,), ("m",))]
     with pytest.raises(InvalidValueError, match="weight of reward term 'b'"):
-        Reward(terms, 0.01)
+        Reward(terms)
 
 
 def test_declarations_that_do_not_fit_are_refused() -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from prp_gym.evaluation import episode_metrics
 from prp_gym.evaluation.metrics import force as m
+from prp_gym.tasks.settling.directions import along_desired
 from tests.support.synthetic_episodes import (
     PERIOD,
     ROUNDING,
@@ -192,7 +193,8 @@ def test_energy_that_was_received_first_may_be_given_back() -> None:
 
 def test_free_motion_injects_nothing_and_angles_do_not_matter() -> None:
     turning = np.tile([0.0, 0.0, 0.0, 1.0, 1.0, 1.0], (SAMPLES, 1))
-    fields = {"desired_velocity": np.zeros((SAMPLES, 6)), "end_effector_velocity": turning}
+    rest = np.zeros((SAMPLES, 6))
+    fields = {"desired_velocity": rest, "end_effector_velocity": turning, "model_pose": rest}
     for force in (np.zeros((SAMPLES, 3)), press(20)):
         values = episode_metrics(make_rollout({**fields, "contact_force": force}))
         np.testing.assert_array_equal(values["injected_energy"], [0.0])
@@ -200,7 +202,7 @@ def test_free_motion_injects_nothing_and_angles_do_not_matter() -> None:
 
 BATCHED: dict[str, Callable[[Array, Array], NDArray[Any]]] = {
     "in_contact": lambda force, desired: m.in_contact(force),
-    "along_desired": lambda force, desired: np.concatenate(m.along_desired(force, desired), axis=-1),
+    "along_desired": lambda force, desired: np.concatenate(along_desired(force, desired), axis=-1),
     "force_settling_time": lambda force, desired: m.force_settling_time(TIME, force, desired),
     "force_overshoot": m.force_overshoot,
     "peak_force": lambda force, desired: m.peak_force(force),

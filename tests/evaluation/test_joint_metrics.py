@@ -20,6 +20,8 @@ from tests.support.synthetic_episodes import (
     reference,
 )
 
+CENTIMETRE = np.array([0.02, 0.01, 0.042])  # displacement of each joint for 1 cm at the tip
+
 
 @pytest.mark.parametrize("sample", [1, 40, SAMPLES - 1])
 def test_settling_time_is_the_first_sample_inside_for_good(sample: int) -> None:
@@ -70,7 +72,22 @@ def test_overshoot_is_counted_beyond_the_goal_whatever_the_direction(goal: Array
     actual = jump(10, goal)
     actual[20, 2] = goal[2] * 1.25
     actual[30, 0] = goal[0] * 1.1
-    assert m.overshoot(actual, reference(goal)) == pytest.approx(25.0, abs=1e2 * ROUNDING)
+    move = np.linalg.norm(goal / CENTIMETRE)
+    expected = 100.0 * 0.25 * abs(goal[2]) / CENTIMETRE[2] / move
+    assert m.overshoot(actual, reference(goal)) == pytest.approx(expected, abs=1e2 * ROUNDING)
+
+
+def test_overshoot_of_a_joint_that_hardly_moves_counts_as_it_moves_the_tip() -> None:
+    goal = np.array([1.0, 0.01, 0.01])  # 50, 1 and 0.24 cm at the tip
+    actual = jump(10, goal)
+    actual[20, 2] = 0.02  # all of joint 3's own step, which is 0.24 cm of a move of 50 cm
+    assert m.overshoot(actual, reference(goal)) == pytest.approx(0.476, abs=1e-3)
+
+
+def test_overshoots_of_several_joints_at_one_time_add_up_as_displacements_do() -> None:
+    actual = jump(10)
+    actual[20] = 1.1 * GOAL
+    assert m.overshoot(actual, reference()) == pytest.approx(10.0, abs=1e2 * ROUNDING)
 
 
 @pytest.mark.parametrize("goal", [GOAL, -GOAL])
@@ -85,7 +102,9 @@ def test_overshoot_is_relative_to_the_step_and_not_to_the_goal() -> None:
     actual = reference()
     actual[0] = start
     actual[50, 0] = 1.1
-    assert m.overshoot(actual, reference()) == pytest.approx(100.0 * 0.1 / 0.5, abs=1e2 * ROUNDING)
+    move = np.linalg.norm((GOAL - start) / CENTIMETRE)
+    expected = 100.0 * (0.1 / CENTIMETRE[0]) / move
+    assert m.overshoot(actual, reference()) == pytest.approx(expected, abs=1e2 * ROUNDING)
 
 
 def test_joint_without_a_step_has_no_overshoot() -> None:

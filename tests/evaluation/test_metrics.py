@@ -56,6 +56,9 @@ def everything(joints: int = 3) -> Rollout:
 EXPECTED = {
     "score": [0.6],
     "divergence": [0.0],
+    "response_settling_time": [0.01],
+    "unsettled": [0.0],
+    "failure": [0.0, 100.0, 0.0, 0.0],  # 3 N where 2 N are desired
     "joint_rmse": [1.0 / np.sqrt(SAMPLES), 0.2 / np.sqrt(SAMPLES), 2.0 / np.sqrt(SAMPLES)],
     "joint_mean_error": [1.0 / SAMPLES, 0.2 / SAMPLES, 2.0 / SAMPLES],
     "joint_maximum_error": [1.0, 0.2, 2.0],
@@ -82,12 +85,14 @@ EXPECTED = {
     "steady_state_force_error": [0.0],
     "force_settling_time": [0.61 - 0.2],
     "force_overshoot": [50.0],
+    "peak_force_ratio": [150.0],
     "peak_force": [3.0],
     "contact_losses": [1.0],
     "force_violation": [10.0],
     # 0.1 m/s ahead of the reference against 10·3 N and 70·2 N for 0.01 s each, half of the last sample
     "injected_energy": [0.1 * 0.01 * (30.0 + 140.0 - 1.0)],
     "energy": [26.0],
+    "excess_energy": [0.0],
     "torque_rms": [10.0, 20.0, 3.0],
     "torque_rate": [0.0, 0.0, 0.0],
     "saturation": [50.0],
@@ -95,6 +100,8 @@ EXPECTED = {
 }
 
 JOINT_WISE = {name for name, values in EXPECTED.items() if len(values) == 3}
+DECLARED = {"response_settling_time", "unsettled", "failure"}
+"""Metrics whose fields follow from the task's settling criterion."""
 
 
 def test_every_metric_of_the_report_is_expected() -> None:
@@ -115,7 +122,7 @@ def test_declared_metric_of_a_known_episode(metric: Metric) -> None:
 
 
 def test_robot_of_one_joint_has_one_number_a_joint_and_its_own_shares() -> None:
-    expected = {name: values[:1] for name, values in EXPECTED.items()}
+    expected = {name: values[:1] for name, values in EXPECTED.items() if name not in DECLARED}
     expected |= {
         "energy": [10.0],
         "saturation": [50.0],
@@ -128,11 +135,14 @@ def test_robot_of_one_joint_has_one_number_a_joint_and_its_own_shares() -> None:
 
 
 @pytest.mark.parametrize("joints", [1, 3])
-def test_after_a_divergence_only_score_and_divergence_count(joints: int) -> None:
+def test_after_a_divergence_only_the_outcome_counts(joints: int) -> None:
     values = episode_metrics(replace(everything(joints), diverged=True))
     np.testing.assert_array_equal(values.pop("divergence"), [100.0])
     np.testing.assert_allclose(values.pop("score"), [0.6], rtol=1e-12)
-    assert len(values) == len(METRICS) - 2
+    np.testing.assert_array_equal(values.pop("failure"), [100.0, 0.0, 0.0, 0.0])
+    np.testing.assert_array_equal(values.pop("response_settling_time"), [np.inf])
+    np.testing.assert_array_equal(values.pop("unsettled"), [100.0])
+    assert len(values) == len(METRICS) - 5
     for name, numbers in values.items():
         np.testing.assert_array_equal(numbers, np.full(joints if name in JOINT_WISE else 1, np.nan))
 
@@ -142,7 +152,7 @@ def test_score_counts_what_a_divergence_cut_off_as_nothing() -> None:
     np.testing.assert_allclose(values["score"], [0.15], rtol=1e-12)
 
 
-ALWAYS = {"score", "divergence", "torque_rms", "torque_rate"}
+ALWAYS = {"score", "divergence", "failure", "torque_rms", "torque_rate"}
 
 
 def test_metrics_exist_where_their_fields_and_cost_terms_exist() -> None:
@@ -151,7 +161,9 @@ def test_metrics_exist_where_their_fields_and_cost_terms_exist() -> None:
     assert set(episode_metrics(bare)) == ALWAYS | {"saturation", "joint_stop"}
 
 
-@pytest.mark.parametrize("metric", [METRICS[name] for name in EXPECTED], ids=lambda metric: metric.name)
+@pytest.mark.parametrize(
+    "metric", [METRICS[name] for name in EXPECTED if name not in DECLARED], ids=lambda metric: metric.name
+)
 def test_metric_reads_what_it_requires_and_is_absent_without_any_of_it(metric: Metric) -> None:
     full = everything()
     content: dict[str, Any] = {**full.fields, **full.info}

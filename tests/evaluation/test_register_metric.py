@@ -11,7 +11,6 @@ from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.evaluation import (
     METRICS,
     Column,
-    Estimate,
     Metric,
     MetricGroup,
     Presentation,
@@ -21,6 +20,7 @@ from prp_gym.evaluation import (
 from prp_gym.evaluation.results import describe_run
 from prp_gym.evaluation.table import Row, evaluation_table
 from tests.support.synthetic_episodes import GOAL, joint_fields, jump, make_rollout, reference
+from tests.support.synthetic_rows import summary
 
 SWING = Metric(
     "swing",
@@ -47,7 +47,7 @@ def test_registered_metric_is_computed_after_the_suites_own(swing: Metric) -> No
 
 
 def test_registered_metric_has_its_column_and_its_row_on_the_page(swing: Metric) -> None:
-    score = Estimate(0.5, 0.4, 0.6)
+    score = summary(0.5, 0.4, 0.6)
     row = Row("joint_pd", 2, score, {"swing": np.array([0.0123])}, 1e-5)
     table = evaluation_table("title", [row], ["swing"])
     assert [str(column.header) for column in table.columns][3] == "swing\nmrad"

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from prp_gym.artifacts import to_plain
-from prp_gym.evaluation import Evaluation, Rollout
+from prp_gym.evaluation import Estimate, Evaluation, Rollout, ScoreSummary
 from prp_gym.evaluation.results import describe_evaluation
 from prp_gym.evaluation.table import Row
 from tests.support.synthetic_episodes import Array, make_rollout
@@ -61,6 +61,12 @@ def episode(seed: int = 0, fields: dict[str, Array] = KINDS["joint"], **changes:
     torque = np.zeros((2, count))
     content = {"seed": seed, "applied_torque": torque, "reward": np.full(2, 0.005), "info": info, **changes}
     return make_rollout(fields, count, duration=0.02, compute_time=np.full(2, 42e-6), **content)
+
+
+def summary(value: float, low: float, high: float) -> ScoreSummary:
+    """Scores whose mean and interquartile mean are the same, without failures."""
+    estimate = Estimate(value, low, high)
+    return ScoreSummary(estimate, estimate, value, np.zeros(4))
 
 
 def row_of(controller: str, evaluation: Evaluation) -> Row:

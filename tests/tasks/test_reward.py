@@ -1,4 +1,4 @@
-"""The reward: closed-form values, one bounded shape, independent of the control frequency."""
+"""The reward: closed-form values and one bounded shape."""
 
 import numpy as np
 import pytest
@@ -13,8 +13,7 @@ UNITS = ("rad", "m", "rad")
 TRACKING = RewardTerm("tracking", 0.75, (0.1, 0.02, 0.1), UNITS)
 EFFORT = RewardTerm("effort", 0.25, (50.0, 100.0, 10.0), ("N·m", "N", "N·m"))
 SHORT = RewardTerm("force", 0.25, (2.0,), ("N",))
-PERIOD = 0.002
-REWARD = Reward((TRACKING, EFFORT), PERIOD)
+REWARD = Reward((TRACKING, EFFORT))
 SEEDS = st.integers(0, 2**32 - 1)
 ROUNDING = 1e-15  # relative, of the few operations of one value
 
@@ -27,8 +26,8 @@ def random_errors(seed: int, *leading: int) -> Array:
     return values
 
 
-def test_term_without_error_is_its_weight_times_the_period() -> None:
-    np.testing.assert_allclose(REWARD(np.zeros((2, 3))), [0.75 * PERIOD, 0.25 * PERIOD], rtol=ROUNDING)
+def test_term_without_error_is_its_weight() -> None:
+    np.testing.assert_allclose(REWARD(np.zeros((2, 3))), [0.75, 0.25], rtol=ROUNDING)
 
 
 @pytest.mark.parametrize("component", range(3))
@@ -36,12 +35,12 @@ def test_term_without_error_is_its_weight_times_the_period() -> None:
 def test_error_of_one_scale_in_one_component_halves_a_term(component: int, sign: float) -> None:
     errors = np.zeros((2, 3))
     errors[0, component] = sign * TRACKING.scale[component]
-    np.testing.assert_allclose(REWARD(errors), [0.375 * PERIOD, 0.25 * PERIOD], rtol=ROUNDING)
+    np.testing.assert_allclose(REWARD(errors), [0.375, 0.25], rtol=ROUNDING)
 
 
 def test_components_count_by_the_norm_of_their_scaled_errors() -> None:
     errors = np.array([[0.3, 0.08, 0.0], [0.0, 200.0, 0.0]])  # scaled (3, 4, 0) and (0, 2, 0)
-    np.testing.assert_allclose(REWARD(errors), [0.75 * PERIOD / 6, 0.25 * PERIOD / 3], rtol=ROUNDING)
+    np.testing.assert_allclose(REWARD(errors), [0.75 / 6, 0.25 / 3], rtol=ROUNDING)
 
 
 @given(SEEDS)
@@ -49,14 +48,14 @@ def test_contributions_are_the_formula(seed: int) -> None:
     errors = random_errors(seed)
     for term, error, value in zip(REWARD.terms, errors, REWARD(errors), strict=True):
         distance = np.linalg.norm(error / np.array(term.scale))
-        assert value == pytest.approx(PERIOD * term.weight / (1.0 + distance), rel=ROUNDING)
+        assert value == pytest.approx(term.weight / (1.0 + distance), rel=ROUNDING)
 
 
 @given(SEEDS)
-def test_reward_lies_between_zero_and_the_period(seed: int) -> None:
+def test_reward_lies_between_zero_and_one(seed: int) -> None:
     total = REWARD(random_errors(seed, 20)).sum(axis=-1)
     assert (total > 0.0).all()
-    assert (total <= PERIOD * (1 + ROUNDING)).all()
+    assert (total <= 1.0 + ROUNDING).all()
 
 
 @given(SEEDS, st.floats(1.001, 1e3))
@@ -75,21 +74,10 @@ def test_batch_equals_loop_to_the_last_bit(seed: int) -> None:
 
 
 def test_components_beyond_a_short_terms_scale_do_not_count() -> None:
-    reward = Reward((TRACKING, SHORT), PERIOD)
+    reward = Reward((TRACKING, SHORT))
     errors = np.zeros((2, 3))
     errors[1] = [2.0, 1e6, -1e6]
-    np.testing.assert_allclose(reward(errors)[1], 0.125 * PERIOD, rtol=ROUNDING)
-
-
-def test_return_at_constant_error_does_not_depend_on_the_control_frequency() -> None:
-    errors, duration = random_errors(1), 5.0
-    returns = [
-        sum(Reward((TRACKING, EFFORT), 1.0 / rate)(errors).sum() for _ in range(round(rate * duration)))
-        for rate in (50.0, 500.0, 1000.0)
-    ]
-    # sums of at most 5000 roundings of 1e-16
-    np.testing.assert_allclose(returns, returns[0], rtol=1e-12)
-    assert 0.0 < returns[0] < duration
+    np.testing.assert_allclose(reward(errors)[1], 0.125, rtol=ROUNDING)
 
 
 def test_term_is_read_from_its_data_table() -> None:
@@ -102,7 +90,7 @@ def test_term_is_read_from_its_data_table() -> None:
 def test_weights_must_sum_to_one(weight: float) -> None:
     other = RewardTerm("effort", weight, (1.0,), ("N",))
     with pytest.raises(InvalidValueError, match="sum of the reward weights") as caught:
-        Reward((TRACKING, other), PERIOD)
+        Reward((TRACKING, other))
     assert caught.value.value == pytest.approx(0.75 + weight, nan_ok=True)
     assert caught.value.allowed == "1"
 
@@ -110,16 +98,16 @@ def test_weights_must_sum_to_one(weight: float) -> None:
 def test_weights_may_sum_to_one_up_to_rounding() -> None:
     tenths = [RewardTerm(f"term {i}", 0.1, (1.0,), ("m",)) for i in range(10)]
     # ten times 0.1 need not add up to 1 exactly; ten roundings
-    assert Reward(tenths, 1.0)(np.zeros((10, 1))).sum() == pytest.approx(1.0, rel=1e-14)
+    assert Reward(tenths)(np.zeros((10, 1))).sum() == pytest.approx(1.0, rel=1e-14)
 
 
 def test_reward_without_terms_is_refused() -> None:
     with pytest.raises(InvalidValueError, match="sum of the reward weights"):
-        Reward((), PERIOD)
+        Reward(())
 
 
 @pytest.mark.parametrize("scale", [0.0, -0.1, np.nan])
 def test_scales_must_be_positive(scale: float) -> None:
     with pytest.raises(InvalidValueError, match="scale of reward term 'tilt'") as caught:
-        Reward((RewardTerm("tilt", 1.0, (0.1, scale), ("rad", "rad")),), PERIOD)
+        Reward((RewardTerm("tilt", 1.0, (0.1, scale), ("rad", "rad")),))
     assert caught.value.allowed == "above 0"

@@ -14,6 +14,7 @@ from prp_gym.errors import DataFileError, InvalidValueError, PRPError
 from prp_gym.tuning import StoredStudy
 from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.search_space import Parameter
+from prp_gym.tuning.trial import Trial
 from tests.support.damage import damaged
 
 
@@ -49,8 +50,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[Any]]
     for _ in range(2):
         study = open_study(folder)
         for score in (0.25, 0.5):
-            study.propose()
-            study.record(score, 10, 0.125)
+            study.record(Trial(study.propose(), score, 10, 0.125, (score, 0.25)))
     return (folder / JOURNAL).read_bytes(), study.trials
 
 
@@ -120,6 +120,10 @@ ALTERED: dict[str, Callable[[list[dict[str, Any]]], Any]] = {
     "no attributes": change(2, user_attrs={}),
     "code as attribute": lambda lines: lines[2]["user_attrs"].update(run="os:system"),
     "steps as text": lambda lines: lines[2]["user_attrs"].update(steps="10"),
+    "no checksum": lambda lines: lines[2]["user_attrs"].pop("checksum"),
+    "scores as text": lambda lines: lines[2]["user_attrs"].update(by_scenario="0.5"),
+    "no scores": lambda lines: lines[2]["user_attrs"].update(by_scenario=[]),
+    "stopped as a number": lambda lines: lines[2]["user_attrs"].update(stopped=1),
     "other steps": lambda lines: lines[2]["user_attrs"].update(steps=11),
     "attribute of the study": lambda lines: lines[1].update(user_attr={"other": {}}),
     "key as text": lambda lines: lines[1].update(user_attr={"key": "text"}),
@@ -158,14 +162,6 @@ def test_journal_that_is_no_regular_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / JOURNAL)
     with pytest.raises(DataFileError, match="is a named pipe"):
         open_study(tmp_path)
-
-
-def test_journal_of_version_0_1_has_no_checksums(tmp_path: Path, written: tuple[bytes, list[Any]]) -> None:
-    lines = [json.loads(line) for line in written[0].splitlines()]
-    for line in lines:
-        line.get("user_attrs", {}).pop("checksum", None)
-    (tmp_path / JOURNAL).write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-    assert open_study(tmp_path).trials == written[1]
 
 
 def test_search_of_another_key_is_refused(tmp_path: Path, written: tuple[bytes, list[Any]]) -> None:

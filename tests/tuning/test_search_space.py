@@ -12,6 +12,7 @@ import pytest
 
 import prp_gym
 from prp_gym import list_envs
+from prp_gym.agents.policy.agent_file import list_agents
 from prp_gym.baselines import BASELINES, ControllerData, gain_sets, load_gains, make_baseline
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.registry import NOT_IN_THE_REPORT
@@ -138,7 +139,7 @@ def test_target_impedance_of_the_task_is_the_centre_of_the_search() -> None:
 
 @pytest.mark.parametrize(("rate", "gains"), [(500.0, "tuned"), (1000.0, "tuned"), (50.0, "tuned_50hz")])
 def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> None:
-    task = TuningTask("PRP-JointTracking-v0", "joint_pd", "randomized", rate, 10_000)
+    task = TuningTask("PRP-JointTracking-v0", "joint_pd", ("randomized",), rate, 10_000)
     assert start_gains(BASELINES[task.controller], task.environment_id, rate) == gains
     with closing(gymnasium.make(task.environment_id, control_frequency=rate)) as env:
         centre = vars(make_candidates(task, env).space)["centre"]
@@ -147,7 +148,7 @@ def test_search_starts_from_the_set_for_its_rate(rate: float, gains: str) -> Non
 
 
 def test_controller_that_does_not_exist_is_refused() -> None:
-    task = TuningTask("PRP-JointTracking-v0", "joint_pid", "randomized", 500.0, 10_000)
+    task = TuningTask("PRP-JointTracking-v0", "joint_pid", ("randomized",), 500.0, 10_000)
     with pytest.raises(UnknownNameError, match=r"unknown baseline 'joint_pid'\. Did you mean 'joint_pd'"):
         make_candidates(task, environment(task.environment_id))
 
@@ -174,6 +175,25 @@ def test_settings_that_are_no_vectors_are_left_alone() -> None:
     assert set(SearchSpace.of(spec, policy.settings).start) == {"proportional_gain", "derivative_gain"}
 
 
+def test_declared_limit_is_that_of_every_component(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    row = 'of = "joint"\nrange = [0.1, 10.0]\npowers = {derivative_gain = 1}\nlimit_high = "2 K_D dt < M"'
+    file.write_text(f"[search.damping]\n{row}\n", encoding="utf-8")
+    policy = make_baseline("joint_pd", environment("PRP-JointTracking-v0"))
+    space = SearchSpace.of(replace(BASELINES["joint_pd"], data=ControllerData(file)), policy.settings)
+    assert [item.limits for item in space.parameters] == [("", "2 K_D dt < M")] * 3
+
+
+def test_controllers_are_intended_for_environments_on_which_they_run() -> None:
+    for name, spec in BASELINES.items():
+        if spec.chapter != NOT_IN_THE_REPORT:
+            assert spec.data.intended, name
+        assert {(item, name) for item in spec.data.intended} <= set(COMBINATIONS)
+        assert len(set(spec.data.intended)) == len(spec.data.intended)
+    tuned = {item for spec in BASELINES.values() for item in spec.data.intended}
+    assert tuned >= {name for name in list_envs() if list_agents(name)}
+
+
 @pytest.mark.parametrize(
     ("row", "what", "value"),
     [
@@ -192,6 +212,16 @@ def test_settings_that_are_no_vectors_are_left_alone() -> None:
             'of = "joint"\ngroups = ["joint_4"]\nrange = [0.1, 10.0]\npowers = {derivative_gain = 1}',
             "group of search parameter 'speed'",
             "joint_4",
+        ),
+        (
+            "range = [0.1, 10.0]\npowers = {derivative_gain = 1}\nlimit_low = true",
+            "limit_low of search parameter 'speed'",
+            True,
+        ),
+        (
+            "range = [0.1, 10.0]\npowers = {derivative_gain = 1}\nlimit_high = ' '",
+            "limit_high of search parameter 'speed'",
+            " ",
         ),
     ],
 )

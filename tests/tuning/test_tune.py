@@ -19,7 +19,18 @@ import pytest
 from prp_gym.baselines import make_baseline
 from prp_gym.errors import InvalidValueError, MissingPackageError, OutputError
 from prp_gym.evaluation import evaluate
-from prp_gym.tuning import SearchSpace, StoredStudy, Trial, Tuned, TuningTask, make_candidates, tune
+from prp_gym.tuning import (
+    Objective,
+    Ranges,
+    ScenarioCandidates,
+    StoredStudy,
+    Trial,
+    Tuned,
+    TuningTask,
+    make_candidates,
+    ranges_after,
+    tune,
+)
 from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.local_step import is_local, local_step, step_length
 from tests.support.full_disk import room_for
@@ -27,15 +38,19 @@ from tests.support.full_disk import room_for
 ENVIRONMENT = "PRP-Compliance-v0"
 STEPS, EPISODES = 20, 3
 COST = STEPS * EPISODES
-TASK = TuningTask(ENVIRONMENT, "admittance", "realistic", 500.0, 12 * COST + 7, EPISODES)
+TASK = TuningTask(ENVIRONMENT, "admittance", ("realistic",), 500.0, 12 * COST + 7, EPISODES)
 ENV: Any = gymnasium.make(ENVIRONMENT, scenario="realistic", duration=STEPS / 500.0)
 CANDIDATES = make_candidates(TASK, ENV)
 SPACE: Any = CANDIDATES.space
 KEY = {"made": "up"}
 
 
+def objective(task: TuningTask = TASK) -> Objective:
+    return Objective([ScenarioCandidates(ENV, CANDIDATES)], task.first_seed, task.episodes)
+
+
 def search(folder: Path, task: TuningTask = TASK, resume: bool = False) -> Tuned:
-    return tune(task, ENV, CANDIDATES, StoredStudy(folder, SPACE, KEY, task.seed, resume))
+    return tune(task, objective(task), StoredStudy(folder, SPACE, KEY, task.seed, resume))
 
 
 def outline(tuned: Tuned) -> list[tuple[Any, ...]]:
@@ -80,7 +95,7 @@ def test_first_trial_is_the_tuned_set_with_the_evaluator_s_score(whole: Tuned) -
 def test_result_is_never_below_the_tuned_set_and_is_the_best_trial(whole: Tuned) -> None:
     scores = [trial.score for trial in whole.trials]
     assert whole.best.score == max(scores) >= scores[0]
-    policy = make_baseline("admittance", ENV, "report", **whole.settings)
+    policy = make_baseline("admittance", ENV, "report", **SPACE.settings(whole.best.factors))
     evaluation = evaluate(policy, ENV, EPISODES, TASK.first_seed)
     assert evaluation.metrics["score"].mean() == pytest.approx(max(scores), rel=1e-12)
     assert len(set(scores)) > len(scores) / 2  # or nothing was searched
@@ -96,10 +111,13 @@ def test_same_seed_same_search_and_another_seed_another(whole: Tuned, tmp_path: 
 
 def test_history_tells_the_best_so_far() -> None:
     trials = [Trial({}, score, 10, 0.0) for score in (0.3, 0.2, 0.5, 0.5, 0.4)]
-    tuned = Tuned(trials, {})
-    assert tuned.history == [(10, 0.3), (30, 0.5), (50, 0.5)]
+    ranges = Ranges((), {})
+    tuned = Tuned(trials, ranges)
+    assert [(steps, trial.score) for steps, trial in tuned.history] == [(10, 0.3), (30, 0.5), (50, 0.5)]
     assert tuned.best is trials[2]
-    assert Tuned(trials[:3], {}).history == [(10, 0.3), (30, 0.5)]
+    assert [steps for steps, _ in Tuned(trials[:3], ranges).history] == [10, 30]
+    hopeless = Trial({}, 0.9, 10, 0.0, (0.9,), stopped=True)  # an estimate is never the best
+    assert Tuned([*trials, hopeless], ranges).best is trials[2]
 
 
 def test_budget_for_less_than_a_trial_is_refused(tmp_path: Path) -> None:
@@ -110,7 +128,16 @@ def test_budget_for_less_than_a_trial_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("budget", 0), ("budget", 1.5), ("episodes", 0), ("episodes", True), ("seed", -1), ("seed", 499)],
+    [
+        ("budget", 0),
+        ("budget", 1.5),
+        ("episodes", 0),
+        ("episodes", True),
+        ("seed", -1),
+        ("seed", 499),
+        ("scenarios", ()),
+        ("scenarios", ("report", "report")),
+    ],
 )
 def test_numbers_that_make_no_search_are_refused(name: str, value: Any) -> None:
     with pytest.raises(InvalidValueError, match=f"^{name} is "):
@@ -118,7 +145,7 @@ def test_numbers_that_make_no_search_are_refused(name: str, value: Any) -> None:
 
 
 def test_training_episodes_of_the_last_seed_are_not_those_of_validation() -> None:
-    last = replace(TASK, seed=498, episodes=1_000_000)
+    last = replace(TASK, seed=498, episodes=999_999)
     assert last.first_seed + last.episodes <= 500_000_000
 
 
@@ -129,17 +156,20 @@ class OneSetting:
         self.trials: list[Trial] = []
         self.factors = factors
 
+    @property
+    def ranges(self) -> Ranges:
+        return Ranges(SPACE.parameters, {})
+
     def propose(self) -> dict[str, float]:
         return self.factors
 
-    def record(self, score: float, steps: int, seconds: float) -> Trial:
-        self.trials.append(Trial(self.factors, score, steps, seconds))
-        return self.trials[-1]
+    def record(self, trial: Trial) -> None:
+        self.trials.append(trial)
 
 
 def test_candidate_that_the_controller_refuses_scores_nothing_and_is_charged_in_full() -> None:
     refused = {**SPACE.start, "frame_inertia_translation": 0.0}  # no mass
-    tuned = tune(TASK, ENV, CANDIDATES, OneSetting(refused))
+    tuned = tune(TASK, objective(), OneSetting(refused))
     assert [(trial.score, trial.steps) for trial in tuned.trials] == [(0.0, COST)] * 12
 
 
@@ -151,8 +181,13 @@ def distance(factors: Any) -> float:
 def synthetic(folder: Path, trials: int, resume: bool = False) -> StoredStudy:
     study = StoredStudy(folder, SPACE, KEY, 0, resume)
     while len(study.trials) < trials:
-        study.record(distance(study.propose()), 1, 0.0)
+        factors = study.propose()
+        keep(study, distance(factors), factors)
     return study
+
+
+def keep(study: StoredStudy, score: float, factors: dict[str, float]) -> None:
+    study.record(Trial(factors, score, 1, 0.0, (score,)))
 
 
 def test_search_climbs_and_stays_within_the_ranges(tmp_path: Path) -> None:
@@ -160,16 +195,18 @@ def test_search_climbs_and_stays_within_the_ranges(tmp_path: Path) -> None:
     scores = [trial.score for trial in study.trials]
     # at the start exp(-7 ln²2) = 0.035; 60 random draws reach 0.04 in the median, 0.22 in one case of 20
     assert max(scores) > 0.4
+    parameters = ranges_after(SPACE.parameters, study.trials).parameters
     for trial in study.trials:
-        assert all(item.low <= trial.factors[item.name] <= item.high for item in SPACE.parameters)
+        assert all(item.low <= trial.factors[item.name] <= item.high for item in parameters)
 
 
 def test_every_step_has_a_direction_of_its_own(tmp_path: Path) -> None:
     study = StoredStudy(tmp_path, SPACE, KEY, 0, False)
     steps = []
     for score in (1.0, 0.5, 0.5):  # the start stays the best
-        steps.append(np.log(list(study.propose().values())))
-        study.record(score, 1, 0.0)
+        factors = study.propose()
+        steps.append(np.log(list(factors.values())))
+        keep(study, score, factors)
     directions = [step / np.linalg.norm(step) for step in steps[1:]]
     assert abs(directions[0] @ directions[1]) < 0.95
 
@@ -178,9 +215,9 @@ def test_sampler_looks_at_small_factors_as_often_as_at_large_ones(tmp_path: Path
     factors = []
     for seed in range(20):
         study = StoredStudy(tmp_path / str(seed), SPACE, KEY, seed, False)
-        for _ in range(4):
+        for _ in range(7):
             last = study.propose()
-            study.record(0.5, 1, 0.0)
+            keep(study, 0.5, last)
         factors += list(last.values())  # of the first candidate that is not a step
     # 140 draws, log-uniform on 0.1 to 10 or 0.2 to 5: their median's deviation is 0.1 in log; linear: 5
     assert 0.5 < np.median(factors) < 2.0
@@ -213,20 +250,23 @@ def test_step_grows_with_success_and_shrinks_without() -> None:
     def length(scores: list[float]) -> float:
         return step_length([Trial({}, score, 1, 0.0) for score in scores])
 
-    assert [is_local(index) for index in range(7)] == [False, True, True, False, True, True, False]
+    assert [is_local(index) for index in range(8)] == [False, True, True, True, True, True, False, True]
     assert length([0.5]) == 0.3
     assert length([0.5, 0.6]) == pytest.approx(0.45)
-    assert length([0.5, 0.6, 0.7, 0.9]) == pytest.approx(0.3 * 1.5**2)  # the last is not a step
-    assert length([0.5, 0.4, 0.4, 0.9, 0.8, 0.8, 0.1, 1.0]) == pytest.approx(0.3)  # four failures, a success
+    assert length([0.5, 0.6, 0.7, 0.7, 0.7, 0.7, 0.9]) == pytest.approx(
+        0.3 * 1.5**1.25
+    )  # the last is not a step
+    assert length([0.5, 0.4, 0.4, 0.4, 0.4, 0.6]) == pytest.approx(0.3)  # four failures, a success
     assert length([0.5] * 300) == 0.02
     assert length([float(index) for index in range(300)]) == 1.0
 
 
 def test_step_starts_from_the_best_candidate() -> None:
-    space = SearchSpace(SPACE.centre, tuple(replace(item, low=0.5, high=2.0) for item in SPACE.parameters))
-    near = dict.fromkeys(space.start, 1.9)
-    trials = [Trial(space.start, 0.2, 1, 0.0), Trial(near, 0.3, 1, 0.0), Trial(space.start, 0.1, 1, 0.0)]
-    steps = [local_step(space, trials, np.random.default_rng(seed)) for seed in range(200)]
+    parameters = tuple(replace(item, low=0.5, high=2.0) for item in SPACE.parameters)
+    start = SPACE.start
+    near = dict.fromkeys(start, 1.9)
+    trials = [Trial(start, 0.2, 1, 0.0), Trial(near, 0.3, 1, 0.0), Trial(start, 0.1, 1, 0.0)]
+    steps = [local_step(parameters, trials, np.random.default_rng(seed)) for seed in range(200)]
     logs = np.log([list(step.values()) for step in steps]) - np.log(1.9)
     inside = logs[logs < np.log(2.0 / 1.9) - 1e-9]
     assert logs.max() == pytest.approx(np.log(2.0 / 1.9))  # the ranges' end
@@ -238,11 +278,11 @@ def test_step_starts_from_the_best_candidate() -> None:
 CHILD = """
 import sys, time
 from pathlib import Path
-from tests.tuning.test_tune import CANDIDATES, KEY, SPACE, TASK, ENV, StoredStudy, tune
+from tests.tuning.test_tune import KEY, SPACE, TASK, StoredStudy, objective, tune
 study = StoredStudy(Path(sys.argv[1]), SPACE, KEY, TASK.seed, False)
 def slowly(trial):
     time.sleep(0.05)
-tune(TASK, ENV, CANDIDATES, study, slowly)
+tune(TASK, objective(), study, slowly)
 """
 
 
@@ -259,7 +299,7 @@ def test_search_that_was_killed_goes_on_to_the_same_end(tmp_path: Path, whole: T
     assert process.wait() == -signal.SIGKILL
     study = StoredStudy(tmp_path, SPACE, KEY, TASK.seed, True)
     assert 2 <= len(study.trials) < 12
-    tuned = tune(TASK, ENV, CANDIDATES, study)
+    tuned = tune(TASK, objective(), study)
     assert outline(tuned) == outline(whole)
     assert tuned.used_steps == whole.used_steps
 
@@ -268,9 +308,9 @@ def test_full_disk_ends_a_search_and_it_goes_on_later(tmp_path: Path) -> None:
     expected = synthetic(tmp_path / "whole", 6).trials
     folder = tmp_path / "run"
     study = synthetic(folder, 3)
-    study.propose()
+    factors = study.propose()
     with room_for((folder / JOURNAL).stat().st_size + 50), pytest.raises(OutputError) as caught:
-        study.record(0.5, 1, 0.0)
+        keep(study, 0.5, factors)
     assert caught.value.path == str(folder / JOURNAL)
     assert synthetic(folder, 6, resume=True).trials == expected
     assert [path.name for path in folder.iterdir()] == [JOURNAL]
@@ -278,10 +318,10 @@ def test_full_disk_ends_a_search_and_it_goes_on_later(tmp_path: Path) -> None:
 
 def test_folder_that_is_removed_ends_a_search(tmp_path: Path) -> None:
     study = synthetic(tmp_path / "run", 1)
-    study.propose()
+    factors = study.propose()
     shutil.rmtree(tmp_path / "run")
     with pytest.raises(OutputError, match="removed or renamed"):
-        study.record(0.5, 1, 0.0)
+        keep(study, 0.5, factors)
     assert not (tmp_path / "run").exists()
 
 

@@ -15,6 +15,8 @@ from prp_gym.baselines import CONTROLLERS, make_baseline
 from prp_gym.errors import DataFileError, InvalidValueError, UnknownNameError
 from prp_gym.tuning import TunedController, Validation, list_tuned_controllers, load_tuned_controller
 from prp_gym.tuning import tuned_controller as module
+from prp_gym.tuning.tune import EXTRA
+from prp_gym.tuning.widening import NO_LIMIT
 
 ENVIRONMENT = "PRP-Force-v0"
 ENV = gymnasium.make(ENVIRONMENT, duration=0.02)
@@ -23,10 +25,21 @@ GAINS = {
     "bandwidth": 7.3,
     "inertia": [1 / 3] * 6,
 }
+VALIDATION = Validation(
+    seed=500_000_000,
+    episodes=100,
+    score=0.58,
+    score_of_start=0.51,
+    kept_start=False,
+    selection_seed=501_000_000,
+    selection_episodes=20,
+    selection=(0.6, 0.59),
+    finalists=(0.58, 0.57),
+)
 CONTROLLER = TunedController(
     environment=ENVIRONMENT,
     controller="force_inner_position",
-    scenario="realistic",
+    scenarios=("realistic", "randomized"),
     control_frequency=500.0,
     settings={name: value for name, value in GAINS.items() if name != "model"},
     budget_steps=1000,
@@ -36,9 +49,11 @@ CONTROLLER = TunedController(
     episodes=20,
     seconds=0.1,
     history=((330, 0.5), (990, 0.6)),
+    history_by_scenario={"realistic": (0.4, 0.5), "randomized": (0.6, 0.7)},
     score=0.6,
-    score_of_tuned=0.5,
-    validation=Validation(seed=500_000_000, episodes=100, score=0.58, score_of_tuned=0.51),
+    score_of_start=0.5,
+    edges={"bandwidth, high": NO_LIMIT},
+    validation=VALIDATION,
     seed=0,
     command="prp-gym tune",
     versions={"python": "3.11.7"},
@@ -99,13 +114,15 @@ REFUSED = {
     "fraction for a count": change("trials", 1.5),
     "unknown environment": change("environment", "PRP-Nowhere-v0"),
     "unknown controller": change("controller", "joint_pid"),
-    "unknown scenario": change("scenario", "within_limits"),
+    "unknown scenario": change("scenarios", ["within_limits"]),
     "unknown setting": lambda content: content["settings"].update(gain=1.0),
     "missing setting": lambda content: content["settings"].pop("inertia"),
     "negative setting": lambda content: content["settings"].update(inertia=[-1.0] * 6),
     "settings of another kind": change("settings", [1.0]),
     "history without scores": change("history", [[330], [990]]),
     "no history": change("history", []),
+    "history of another scenario": change("history_by_scenario", {"report": [0.5, 0.6]}),
+    "history of another length": change("history_by_scenario", {"realistic": [0.5], "randomized": [0.6]}),
     "history of text": change("history", [["330", 0.5]]),
     "history as an object": change("history", {"330": 0.5}),
     "validation without seed": lambda content: content["validation"].pop("seed"),
@@ -150,7 +167,7 @@ def test_name_that_is_neither_shipped_nor_a_file_is_refused(tmp_path: Path) -> N
 def test_shipped_controllers_are_listed_by_environment_and_load_by_name(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = tmp_path / "equal_budget"
+    folder = tmp_path / "searches"
     write_json(folder / f"{ENVIRONMENT}_force_inner_position.json", asdict(CONTROLLER))
     write_json(folder / "other.json", asdict(CONTROLLER))
     module._shipped.cache_clear()
@@ -176,5 +193,7 @@ def test_every_shipped_controller_is_what_its_name_says() -> None:
         env = gymnasium.make(controller.environment, control_frequency=controller.control_frequency)
         assert type(controller.make(env)) is CONTROLLERS.find(controller.controller).policy
         env.close()
-        assert controller.score >= controller.score_of_tuned, name
-        assert controller.used_steps <= controller.budget_steps, name
+        checked = controller.validation
+        assert checked.score == max(checked.score_of_start, *checked.finalists), name
+        assert checked.kept_start == (checked.score == checked.score_of_start), name
+        assert controller.used_steps <= controller.budget_steps * (1.0 + EXTRA), name

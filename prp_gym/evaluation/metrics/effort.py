@@ -28,6 +28,25 @@ def mechanical_energy(torque: Array, velocity: Array, period: float) -> Array:
     return work
 
 
+def excess_energy(torque: Array, velocity: Array, period: float) -> Array:
+    """∫ Σ |τ_i q̇_i| dt - |∫ Σ τ_i q̇_i dt|: work that the actuators gave and took back, or gave to each other.
+
+    What is left, the net work, is what gravity, friction, the surface and the final speed have taken.
+
+    Args:
+        torque: (..., T, joints) [N m, N, N m].
+        velocity: (..., T + 1, joints) joint velocities [rad/s, m/s, rad/s].
+        period: control period [s].
+
+    Returns:
+        (...) [J], at least 0.
+    """
+    mean = (velocity[..., :-1, :] + velocity[..., 1:, :]) / 2
+    net = np.abs((torque * mean).sum(axis=(-2, -1))) * period
+    excess: Array = np.maximum(mechanical_energy(torque, velocity, period) - net, 0.0)
+    return excess
+
+
 def torque_rate(torque: Array, period: float) -> Array:
     """Root mean square of the torque's change per second.
 
@@ -61,6 +80,17 @@ register_metric(
         ("joint_velocity",),
         lambda r: mechanical_energy(r.applied_torque, r.fields["joint_velocity"], r.period),
         Presentation(EFFORT, Column("energy", ("J",)), "mechanical energy without recuperation"),
+    )
+)
+register_metric(
+    Metric(
+        "excess_energy",
+        ("J",),
+        "∫ Σ |τ_i q̇_i| dt - |∫ Σ τ_i q̇_i dt|: work beyond the net work, which the actuators gave and took"
+        " back by braking",
+        ("joint_velocity",),
+        lambda r: excess_energy(r.applied_torque, r.fields["joint_velocity"], r.period),
+        Presentation(EFFORT),
     )
 )
 register_metric(

@@ -18,34 +18,18 @@ from prp_gym.evaluation.response import (
     time_inside_for_good,
 )
 from prp_gym.evaluation.rollout import Rollout
+from prp_gym.physics.surface import CONTACT_THRESHOLD
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.settling.directions import across_desired, along_desired
 
 DESIRED_FORCE = MetricGroup("Desired force", 14.0)
 CONTACT = MetricGroup("Contact", 15.0)
-
-CONTACT_THRESHOLD = 1e-6
-"""Contact force above which the tip is in contact [N], that of 1 µm into a surface of 1 N/m."""
 
 
 def in_contact(force: Array) -> NDArray[np.bool_]:
     """(..., T, 3) [N] -> (..., T), whether the tip touches the surface: `CONTACT_THRESHOLD` exceeded."""
     touches: NDArray[np.bool_] = np.sqrt((force**2).sum(axis=-1)) > CONTACT_THRESHOLD
     return touches
-
-
-def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
-    """The force in the desired force's direction, and the desired force's magnitude.
-
-    Args:
-        force: (..., T, 3) [N].
-        desired: (..., T, 3) [N].
-
-    Returns:
-        (..., T, 1) [N] each; NaN for the first where no force is desired.
-    """
-    magnitude = np.sqrt((desired**2).sum(axis=-1, keepdims=True))
-    direction = desired / np.where(magnitude > 0.0, magnitude, np.nan)
-    return (force * direction).sum(axis=-1, keepdims=True), magnitude
 
 
 def mean_deviation_across(actual: Array, desired: Array, force: Array) -> Array:
@@ -63,9 +47,7 @@ def mean_deviation_across(actual: Array, desired: Array, force: Array) -> Array:
 
     Source: [S] 9.4, the directions of force and of motion.
     """
-    deviation = desired - actual
-    along, magnitude = along_desired(deviation, force)
-    across = deviation - along * force / np.where(magnitude > 0.0, magnitude, np.nan)
+    across = across_desired(desired - actual, force)
     mean: Array = np.sqrt((across**2).sum(axis=-1)).mean(axis=-1)
     return mean
 
@@ -153,6 +135,21 @@ def injected_energy(force: Array, desired_velocity: Array, velocity: Array, peri
     return injected
 
 
+def peak_force_ratio(force: Array, desired: Array) -> Array:
+    """Largest norm of the contact force over the desired force.
+
+    Args:
+        force: (..., T, 3) [N].
+        desired: (..., T, 3) [N].
+
+    Returns:
+        (...) [%]; NaN if the desired force changes or is zero.
+    """
+    defined = _is_force_step(desired)
+    magnitude = np.sqrt((desired[..., 0, :] ** 2).sum(axis=-1))
+    return np.where(defined, 100.0 * peak_force(force) / np.where(defined, magnitude, 1.0), np.nan)
+
+
 def _forces(rollout: Rollout) -> tuple[Array, Array]:
     return rollout.fields["contact_force"], rollout.fields["desired_force"]
 
@@ -234,6 +231,16 @@ register_metric(
         Presentation(DESIRED_FORCE, known_as="overshoot of a step response"),
     )
 )
+register_metric(
+    Metric(
+        "peak_force_ratio",
+        ("%",),
+        "largest norm of the contact force, as a share of the desired force; constant desired forces",
+        _FIELDS,
+        lambda r: peak_force_ratio(*_forces(r)),
+        Presentation(DESIRED_FORCE, Column("peak\nforce", ("%",))),
+    )
+)
 
 register_metric(
     Metric(
@@ -272,11 +279,12 @@ register_metric(
         ("J",),
         "max(0, -min E) of E(t) = ∫ h_eᵀ(ẋ_d - ẋ) dt: energy that the arm gave away at its tip, relative"
         " to its moving reference, beyond what it had received there; 0 for a passive arm that starts"
-        " at rest",
-        ("contact_force", "desired_velocity", "end_effector_velocity"),
+        " at rest; on tasks with a target model, since a desired force asks for work on the surface",
+        ("contact_force", "desired_velocity", "end_effector_velocity", "model_pose"),
         lambda r: _injected_energy(r),
         Presentation(
             CONTACT, Column("in-\njected\nenergy", ("mJ",), 1e3), "passivity observer (Hannaford 2002)"
         ),
+        revision=2,
     )
 )

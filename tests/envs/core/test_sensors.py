@@ -1,5 +1,6 @@
 """Sensors: exact where the scenario is ideal, otherwise a force with constant bias and white noise."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -234,32 +235,42 @@ def test_errors_of_the_sensor_do_not_change_the_ground_truth(environment_id: str
     assert touched > 50
 
 
-def reward_of(env: PRPEnv, parts: dict[str, Array], normal_error: float) -> float:
-    """The reward of a force task from named values, by the formula dt Σ w/(1 + |e/s|)."""
-    inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
-    deviation = parts["desired_pose"] - parts["end_effector_pose"]
-    along = deviation[:3] - (deviation[:3] @ inward) * inward
-    rate = 0.6 / (1.0 + abs(normal_error) / 1.0)
-    rate += 0.2 / (1.0 + float(np.linalg.norm(along / 0.01)))
-    rate += 0.15 / (1.0 + float(np.linalg.norm(deviation[3:5] / 0.1)))
-    rate += 0.05 / (1.0 + float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0])))
-    return rate / env.control_frequency
+class ForceReward:
+    """The reward of a force task from named values, by the formula Σ w/(1 + |e/s|), step after step."""
+
+    def __init__(self) -> None:
+        self.disturbance, self.established = 0.0, False
+
+    def __call__(self, env: PRPEnv, parts: dict[str, Array]) -> float:
+        inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
+        ratio = parts["contact_force"] @ inward / np.linalg.norm(parts["desired_force"])
+        touching = bool(np.linalg.norm(parts["contact_force"]) > 1e-6)
+        lost = self.established and not touching
+        decayed = self.disturbance * math.exp(-1.0 / (5.0 * env.control_frequency))
+        self.disturbance = max(decayed, 1.0 if lost else ratio - 1.0)
+        self.established = touching and (self.established or ratio > 0.5)
+        deviation = parts["desired_pose"] - parts["end_effector_pose"]
+        along = deviation[:3] - (deviation[:3] @ inward) * inward
+        errors = (
+            (0.4, (1.0 - ratio if ratio <= 1.0 else 2.0 * (ratio - 1.0)) / 0.2),
+            (0.25, (self.disturbance if touching else max(self.disturbance, 1.0)) / 0.1),
+            (0.15, float(np.linalg.norm(along / 0.01))),
+            (0.15, float(np.linalg.norm(deviation[3:5] / 0.1))),
+            (0.05, float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0]))),
+        )
+        return sum(weight / (1.0 + abs(error)) for weight, error in errors)
 
 
 def test_reward_is_computed_from_the_true_force_and_not_from_its_reading() -> None:
     env = pressed("PRP-Force-v0", scenario="realistic")
+    from_ground_truth, from_reading = ForceReward(), ForceReward()
     for action in np.random.default_rng(0).uniform(-0.01, 0.01, size=(100, 3)):
         observation, reward, *_ = env.step(action)
-        from_ground_truth, from_reading = (
-            reward_of(env, parts, float(np.linalg.norm(parts["desired_force"]) - parts["contact_force"][1]))
-            for parts in (
-                env.task.ground_truth_layout.split(env.ground_truth),
-                env.observation_layout.split(observation),
-            )
-        )
+        expected = from_ground_truth(env, env.task.ground_truth_layout.split(env.ground_truth))
+        misled = from_reading(env, env.observation_layout.split(observation))
         # some roundings
-        assert reward == pytest.approx(from_ground_truth, rel=1e-12)
-        assert reward != pytest.approx(from_reading, rel=1e-7)
+        assert reward == pytest.approx(expected, rel=1e-12)
+        assert reward != pytest.approx(misled, rel=1e-7)
 
 
 def test_info_holds_the_true_force() -> None:

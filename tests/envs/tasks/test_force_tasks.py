@@ -148,16 +148,18 @@ def test_errors_are_the_force_along_the_normal_the_tip_along_the_surface_and_the
     }
     torque = np.array([1.0, -2.0, 3.0])
     rows = [
-        row_of(environment_id, desired_force=(0.0, 2.0, 0.0), contact_force=(9.0, 0.5, -8.0), **pose),
-        row_of(environment_id, desired_force=(0.0, 0.0, -4.0), contact_force=(0.0, 0.0, -6.0), **pose),
-        row_of(environment_id, desired_force=(3.0, 4.0, 0.0), contact_force=(0.0, 0.0, 0.0), **pose),
+        row_of(environment_id, force_error=(0.75, 0.0), desired_force=(0.0, 2.0, 0.0), **pose),
+        row_of(environment_id, force_error=(-1.0, 0.5), desired_force=(0.0, 0.0, -4.0), **pose),
+        row_of(environment_id, force_error=(1.0, 1.0), desired_force=(3.0, 4.0, 0.0), **pose),
     ]
     # deviation (0.1, 0.2, 0.3) m less its part along the force: nothing, y, z, (0.6, 0.8, 0) · 0.22
     deviations = [(0.1, 0.0, 0.3), (0.1, 0.2, 0.0), (0.1 - 0.132, 0.2 - 0.176, 0.3)]
     errors = task_of(environment_id).errors(np.array(rows), np.tile(torque, (3, 1)))
-    assert errors.shape == (3, 4, 3)
-    for found, force, deviation in zip(errors, (1.5, -2.0, 5.0), deviations, strict=True):
-        expected = [(force, 0.0, 0.0), deviation, (0.5, -0.5, 0.0), torque]
+    assert errors.shape == (3, 5, 3)
+    for found, force, deviation in zip(
+        errors, ((0.75, 0.0), (-1.0, 0.5), (1.0, 1.0)), deviations, strict=True
+    ):
+        expected = [(force[0], 0.0, 0.0), (force[1], 0.0, 0.0), deviation, (0.5, -0.5, 0.0), torque]
         np.testing.assert_allclose(
             found, np.array(expected), rtol=0, atol=1e-15
         )  # roundings of numbers below 1
@@ -273,3 +275,50 @@ def test_unknown_start_is_refused() -> None:
     with pytest.raises(UnknownNameError, match="unknown start 'away'") as caught:
         gymnasium.make(FORCE_POSITION, start="away")
     assert caught.value.valid == ("goal", "home")
+
+
+class Contact:
+    """A force task of one environment under a contact force that the test gives, 2 N being desired along y."""
+
+    def __init__(self, environment_id: str) -> None:
+        self.task = task_of(environment_id)
+        self.task.begin(np.arange(1), [draw(self.task, 0)])
+
+    def step(self, force: float) -> tuple[float, float]:
+        """Relative force error and disturbance of the contact after a step."""
+        layout = self.task.ground_truth_layout
+        row = np.zeros((1, layout.size))
+        row[0, layout.index("desired_force")] = (0.0, 2.0, 0.0)
+        row[0, layout.index("contact_force")] = (0.0, force, 0.0)
+        self.task.advance(row)
+        self.task.complete(row)
+        error, disturbance = row[0, layout.index("force_error")].tolist()
+        return error, disturbance
+
+
+def test_excess_force_counts_twice_and_missing_force_once(environment_id: str) -> None:
+    contact = Contact(environment_id)
+    assert contact.step(1.5)[0] == pytest.approx(0.25)
+    assert contact.step(2.5)[0] == pytest.approx(-0.5)
+
+
+def test_impact_is_remembered_and_fades_with_the_time_constant(environment_id: str) -> None:
+    contact = Contact(environment_id)
+    assert contact.step(2.0)[1] == 0.0
+    assert contact.step(3.0)[1] == pytest.approx(0.5)
+    steps = round(5.0 / contact.task.period)  # one time constant
+    after = [contact.step(2.0)[1] for _ in range(steps)][-1]
+    # the product of `steps` roundings
+    assert after == pytest.approx(0.5 / np.e, rel=1e-12)
+
+
+def test_without_contact_and_after_its_loss_the_disturbance_is_one(environment_id: str) -> None:
+    contact = Contact(environment_id)
+    assert contact.step(0.0) == (1.0, 1.0)
+    assert contact.step(0.9)[1] == 0.0  # it was never lost
+    assert contact.step(0.0)[1] == 1.0
+    assert contact.step(2.0)[1] == 0.0  # it had not been established
+    assert contact.step(0.0)[1] == 1.0
+    assert contact.step(2.0)[1] == pytest.approx(np.exp(-contact.task.period / 5.0))
+    contact.task.begin(np.arange(1), [draw(contact.task, 0)])
+    assert contact.step(2.0)[1] == 0.0

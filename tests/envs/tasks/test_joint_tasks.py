@@ -282,6 +282,6 @@ def test_errors_are_desired_minus_measured_and_the_torque() -> None:
 def test_reward_terms_sum_to_one_and_name_a_unit_for_each_component(scenario: str) -> None:
     for task in tasks(scenario):
         terms = task.numbers.reward
-        assert Reward(terms, 0.5)(np.zeros((len(terms), 3))).sum() == pytest.approx(0.5, rel=1e-15)
+        assert Reward(terms)(np.zeros((len(terms), 3))).sum() == pytest.approx(1.0, rel=1e-15)
         assert all(len(term.unit) == len(term.scale) == 3 for term in terms)
         assert [term.name for term in terms] == ["tracking", "effort"]

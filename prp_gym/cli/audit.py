@@ -1,0 +1,76 @@
+"""The command `prp-gym audit`."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from prp_gym.cli.options import Backend, Environments, FirstSeed, Fresh, ParallelWorkers, Plugins
+from prp_gym.comparison.agents import find_agents
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, Audit, audit_rewards
+from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
+from prp_gym.comparison.audit_table import audit_table, unaware_table
+from prp_gym.comparison.values import group_conditions
+from prp_gym.evaluation.evaluate import check_protocol
+from prp_gym.runs.choice import GainsChoice
+from prp_gym.runs.job import Record
+from prp_gym.runs.run import Run
+from prp_gym.runs.selection import Selection
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console
+from prp_gym.runs.workers import Workers
+
+
+def audit_command(
+    env: Environments = None,
+    scenario: Annotated[
+        list[str] | None, typer.Option(help="Scenario; repeatable. Default: realistic.")
+    ] = None,
+    episodes: Annotated[int, typer.Option(help="Episodes of each policy on each environment.")] = 20,
+    seed: FirstSeed = 0,
+    draws: Annotated[
+        int, typer.Option(help="Random gains in all for the controllers intended for an environment.", min=1)
+    ] = 30,
+    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("audit"),
+    jobs: ParallelWorkers = 0,
+    backend: Backend = "loky",
+    fresh: Fresh = False,
+    plugin: Plugins = None,
+) -> None:
+    """Audit the reward: whether the score ranks policies as control engineers would.
+
+    Controllers with their gain sets and with random gains, agents, floors and exploits of the reward are run;
+    their scores are correlated with criteria that are not the reward's own signals. Fails where the score
+    contradicts a criterion.
+    """
+    workers = Workers(jobs, backend)
+    selected = Selection.of(env or [], scenario or ["realistic"], [], GainsChoice())
+    check_protocol(episodes, seed)
+    listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
+    run = Run(output, workers, selected.controllers, fresh)
+    with run.hold(listed):
+        records = run.records(listed, "auditing")
+        audits = audit_rewards(group_conditions(map(_single, records)), seed)
+        run.write(listed, records, {"audits": [item.to_plain() for item in audits]})
+    _show(audits)
+    if not all(item.holds for item in audits):
+        raise typer.Exit(1)
+
+
+def _single(record: Record) -> dict[str, Any]:
+    """A record whose policy is one agent, not the agents of all training seeds together."""
+    if record["training_seed"] < 0:
+        return record
+    return {**record, "policy": f"{record['policy']} seed {record['training_seed']}"}
+
+
+def _show(audits: list[Audit]) -> None:
+    """Print the tables, with notes that explain them."""
+    console = make_console(least=TABLE_WIDTH)
+    console.print(audit_table(audits))
+    console.print(unaware_table(audits, list(UNAWARE)))
+    console.print(
+        f"rank correlation: Spearman's, of the mean score with the smallness of each criterion, over at least "
+        f"{LEAST_POLICIES} policies, with its 95 % interval over episodes. An episode that does not settle "
+        f"counts as the worst by every criterion. It has to exceed {LEAST_CORRELATION:g}, and no policy of the "
+        "best tenth by score may be in the worse half by a criterion. Energies are shown for information."
+    )

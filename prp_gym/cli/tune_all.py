@@ -1,0 +1,104 @@
+"""The command `prp-gym tune-all`."""
+
+import shlex
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from prp_gym.cli.options import Backend, Environments, ParallelWorkers, Plugins
+from prp_gym.errors import InvalidValueError, PRPError
+from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.runs.search_plan import list_pairs, plan_search, run_or_fail
+from prp_gym.runs.selection import check_names
+from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.workers import Workers
+from prp_gym.tasks.registration import list_envs
+from prp_gym.tuning.tuned_controller import TunedController
+
+_FAILED = 1  # exit code
+
+
+def tune_all_command(
+    env: Environments = None,
+    baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
+    budget_scale: Annotated[
+        float,
+        typer.Option(help="Share of the simulated training time of an agent that is the budget of a search."),
+    ] = 1.0,
+    seed: Annotated[int, typer.Option(help="Seed of the searches and of their training episodes.")] = 0,
+    output: Annotated[Path, typer.Option(help="Folder for the folders of the searches.")] = Path("tuning"),
+    jobs: ParallelWorkers = 0,
+    backend: Backend = "loky",
+    plugin: Plugins = None,
+) -> None:
+    """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
+
+    Each search has as much simulated time as the training of an agent, maximises the mean over the scenarios
+    realistic and randomized, and is validated as by `tune`. A run that was interrupted goes on where it
+    stopped when the same command is given again.
+    """
+    workers = Workers(jobs, backend)
+    if not 0.0 < budget_scale <= 100.0:
+        raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
+    pairs = list_pairs(check_names("environment", env or [], list_envs()), baseline or [])
+    command = shlex.join(["prp-gym", *sys.argv[1:]])
+    searches = [plan_search(pair, budget_scale, seed, output, command) for pair in pairs]
+    searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
+    console = make_console(least=TABLE_WIDTH)
+    outcomes: list[TunedController | PRPError] = []
+    with (
+        kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"),
+        make_progress() as progress,
+        closing(workers.run(run_or_fail, searches)) as finished,
+    ):
+        bar = progress.add_task("searches", total=len(searches))
+        for index, outcome in finished:
+            outcomes.append(outcome)
+            task = searches[index].task
+            console.print(f"{task.environment_id} {task.controller}: {_line(outcome)}", highlight=False)
+            progress.advance(bar)
+    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
+    console.print(_table(results))
+    console.print(
+        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
+        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range.",
+        highlight=False,
+    )
+    console.print(f"results: {output}", highlight=False)
+    if len(results) < len(searches):
+        raise typer.Exit(_FAILED)
+
+
+def _line(outcome: TunedController | PRPError) -> str:
+    """What became of a search, in a line."""
+    if isinstance(outcome, PRPError):
+        return f"failed: {outcome}"
+    checked = outcome.validation
+    return (
+        f"{checked.score_of_start:.4f} -> {checked.score:.4f} after {outcome.trials} trials and "
+        f"{outcome.seconds:.0f} s"
+    )
+
+
+def _table(results: Sequence[TunedController]) -> Table:
+    """A row for each result, by environment and controller."""
+    table = Table(title="validation of the searches", title_justify="left")
+    for header in ("environment", "controller"):
+        table.add_column(header, overflow="fold")
+    for header in ("start", "result", "gain", "trials", "search [s]"):
+        table.add_column(header, justify="right")
+    table.add_column("edges", overflow="fold")
+    for item in sorted(results, key=lambda item: (item.environment, item.controller)):
+        checked = item.validation
+        gain = "-" if checked.kept_start else f"{checked.score - checked.score_of_start:+.4f}"
+        cells = (f"{checked.score_of_start:.4f}", f"{checked.score:.4f}", gain)
+        edges = "; ".join(f"{edge} ({reason})" for edge, reason in item.edges.items())
+        table.add_row(
+            item.environment, item.controller, *cells, str(item.trials), f"{item.seconds:.0f}", edges
+        )
+    return table

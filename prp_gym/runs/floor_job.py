@@ -1,0 +1,66 @@
+"""Jobs whose policy is a floor: zero torque, or holding the start pose."""
+
+from collections.abc import Iterable
+from contextlib import closing
+from dataclasses import dataclass
+
+from prp_gym.baselines.floors import FLOORS
+from prp_gym.evaluation.evaluate import episodes_to_run, evaluate
+from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.evaluation_job import make_environment
+from prp_gym.runs.job import Record, make_record
+
+
+@dataclass(frozen=True)
+class FloorJob:
+    """A floor on an environment.
+
+    Attributes:
+        environment_id: id of the environment.
+        scenario: name of the scenario.
+        floor: name of the floor.
+        control_frequency: control frequency of the environment [Hz].
+        episodes: number of episodes.
+        seed: random seed of the first episode.
+    """
+
+    environment_id: str
+    scenario: str
+    floor: str
+    control_frequency: float
+    episodes: int
+    seed: int
+
+    @property
+    def name(self) -> str:
+        """See `Job.name`."""
+        return f"{self.environment_id}_{self.scenario}_{self.floor}_floor"
+
+    def run(self, controllers: Controllers) -> Record:
+        """See `Job.run`."""
+        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
+            spec = FLOORS[self.floor]
+            evaluation = evaluate(spec.make(env), env, self.episodes, self.seed)
+            record = make_record(evaluation, spec.name, {}, {"controller": spec.revision})
+        return {**record, "floor": True}
+
+
+def list_floors(
+    conditions: Iterable[tuple[str, str]], control_frequency: float, episodes: int, seed: int
+) -> list[FloorJob]:
+    """The floors under every condition where they can be made.
+
+    Args:
+        conditions: environment ids and scenarios.
+        control_frequency: control frequency of the environments [Hz].
+        episodes: number of episodes of each job; a deterministic scenario has one.
+        seed: seed of the first episode.
+    """
+    jobs = []
+    for environment_id, scenario in conditions:
+        with closing(make_environment(environment_id, scenario, control_frequency)) as env:
+            count = episodes_to_run(env, episodes)
+            layout = env.get_wrapper_attr("observation_layout")
+        names = [name for name, spec in FLOORS.items() if not spec.missing_fields(layout)]
+        jobs += [FloorJob(environment_id, scenario, name, control_frequency, count, seed) for name in names]
+    return jobs

@@ -1,0 +1,84 @@
+"""The searches of `prp-gym tune-all`: every controller on every environment for which it is intended."""
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+
+from prp_gym.agents.policy.agent_file import list_agents, load_agent
+from prp_gym.baselines import CONTROLLERS
+from prp_gym.errors import InvalidValueError, PRPError
+from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice
+from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.search import Search
+from prp_gym.tasks.registration import list_envs
+from prp_gym.tuning.task import TuningTask
+from prp_gym.tuning.tuned_controller import TunedController
+
+SCENARIOS = ("realistic", "randomized")
+"""Scenarios over whose mean scores controllers are tuned unless others are named."""
+
+FREQUENCY = 500.0
+"""Control frequency at which controllers are tuned [Hz]."""
+
+EPISODES = 24
+"""Training episodes of every candidate, divided evenly among the scenarios."""
+
+SECONDS_WITHOUT_AGENT = 5000.0
+"""Simulated time of a search on an environment for which there is no agent in the package [s]."""
+
+
+def list_pairs(environment_ids: Sequence[str], controllers: Sequence[str]) -> list[tuple[str, str]]:
+    """Environments with the controllers that are intended for them.
+
+    Args:
+        environment_ids: ids of the environments to choose from; all if there are none.
+        controllers: names of the controllers to choose from; all if there are none.
+
+    Raises:
+        UnknownNameError: a controller that does not exist.
+        InvalidValueError: none of the controllers is intended for any of the environments.
+    """
+    specs = [CONTROLLERS.find(name) for name in controllers or CONTROLLERS]
+    ids = list(environment_ids or list_envs())
+    pairs = [(name, spec.name) for name in ids for spec in specs if name in spec.data.intended]
+    if not pairs:
+        intended = {spec.name: list(spec.data.intended) for spec in specs}
+        raise InvalidValueError("environments", ids, f"at least one of those intended, {intended}")
+    return pairs
+
+
+@cache
+def simulated_seconds(environment_id: str) -> Fraction:
+    """The longest simulated training time of an agent of the package on an environment [s]."""
+    cards = [load_agent(name).card for name in list_agents(environment_id)]
+    times = [Fraction(card.steps) / Fraction(card.control_frequency) for card in cards]
+    return max(times, default=Fraction(SECONDS_WITHOUT_AGENT))
+
+
+def plan_search(pair: tuple[str, str], scale: float, seed: int, output: Path, command: str) -> Search:
+    """The search for the gains of a controller on an environment, which goes on where it was interrupted.
+
+    Args:
+        pair: environment id and name of the controller.
+        scale: share of the simulated time of an agent that is the budget.
+        seed: seed of the search.
+        output: folder for the folder of the search.
+        command: command line that runs the search.
+
+    Raises:
+        InvalidValueError: a budget that is too small.
+    """
+    environment_id, name = pair
+    budget = math.floor(simulated_seconds(environment_id) * Fraction(FREQUENCY) * Fraction(scale))
+    task = TuningTask(environment_id, name, SCENARIOS, FREQUENCY, budget, EPISODES, seed)
+    return Search(task, ControllerChoice(name, gains=GainsChoice(TUNED)), output, command, resume=True)
+
+
+def run_or_fail(search: Search) -> TunedController | PRPError:
+    """The result of a search, or the reason for which it failed, so that others go on."""
+    try:
+        return search.run(Controllers())
+    except PRPError as error:
+        return error

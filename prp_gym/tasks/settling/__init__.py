@@ -1,0 +1,1 @@
+"""When a response counts as settled, as tasks declare it."""

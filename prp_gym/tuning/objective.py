@@ -1,0 +1,128 @@
+"""`Objective`: what a search maximises, the mean score of a candidate over episodes of several scenarios."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import gymnasium
+
+from prp_gym.errors import PRPError
+from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.tuning.candidates import Candidates
+from prp_gym.tuning.episodes import Episodes
+from prp_gym.tuning.trial import Trial
+
+HOPELESS = 1.25
+"""A candidate that loses more than this times what the best one loses, in the same scenarios, is stopped."""
+
+Settings = Mapping[str, Any]
+
+
+class ScenarioCandidates(NamedTuple):
+    """The candidates of a search in one scenario.
+
+    Attributes:
+        env: environment of the scenario.
+        candidates: candidates that are made for the environment.
+    """
+
+    env: gymnasium.Env[Any, Any]
+    candidates: Candidates
+
+
+class Measurement(NamedTuple):
+    """What running a candidate gave.
+
+    Attributes:
+        score: mean over the scenarios of the mean score [1]; an estimate where the candidate was stopped.
+        steps: control steps that it uses of the budget.
+        by_scenario: mean score over the episodes of each scenario that was run [1].
+        stopped: whether scenarios were left out.
+    """
+
+    score: float
+    steps: int
+    by_scenario: tuple[float, ...]
+    stopped: bool
+
+
+class Objective:
+    """Mean over scenarios of a candidate's mean score; all candidates have the same episodes.
+
+    Scenarios have equal weights and episodes of their own. They are run one after the other: what a candidate
+    loses, 1 less its score, is compared with what the best one has lost in the same scenarios, and if it is
+    more than `HOPELESS` times that, the other scenarios are left out. Its score is then estimated as that of
+    the best one less the mean difference in the scenarios that were run; it is always below the best one's.
+
+    Args:
+        conditions: the scenarios with their candidates, at least one.
+        first_seed: seed of the first episode.
+        episodes: number of episodes, which are divided evenly among the scenarios and rounded up; a
+            deterministic scenario has one.
+    """
+
+    def __init__(self, conditions: Sequence[ScenarioCandidates], first_seed: int, episodes: int) -> None:
+        each = -(-episodes // len(conditions))
+        self._runs: list[tuple[Candidates, Episodes]] = []
+        self.episodes = 0
+        for env, candidates in conditions:
+            first = first_seed + self.episodes
+            count = episodes_to_run(env, each)
+            self._runs.append((candidates, Episodes(env, range(first, first + count))))
+            self.episodes += count
+
+    @property
+    def most_steps(self) -> int:
+        """Control steps of a candidate of which no episode ends early."""
+        return sum(episodes.most_steps for _, episodes in self._runs)
+
+    def measure(self, factors: Mapping[str, float], best: Trial | None) -> Measurement:
+        """Run a candidate, to its end or until it is hopeless.
+
+        A candidate that the controller refuses scores 0 and uses as much of the budget as a whole one.
+
+        Args:
+            factors: factors of the search space, by the names of its parameters.
+            best: the best trial so far, if there is one.
+        """
+        means: list[float] = []
+        steps = 0
+        for candidates, episodes in self._runs:
+            if best is not None and _is_hopeless(means, best.by_scenario):
+                return Measurement(_estimate(means, best), steps, tuple(means), stopped=True)
+            try:
+                policy = candidates.make(factors)
+            except PRPError:
+                return Measurement(0.0, self.most_steps, (0.0,) * len(self._runs), stopped=False)
+            outcome = episodes.run(policy)
+            means.append(float(outcome.scores.mean()))
+            steps += outcome.steps
+        return Measurement(_mean(means), steps, tuple(means), stopped=False)
+
+    def score(self, settings_of: Callable[[Candidates], Settings]) -> float:
+        """Mean score of given settings, over all episodes of all scenarios; 0 for refused ones.
+
+        Args:
+            settings_of: function that gives the settings from the candidates of a scenario.
+        """
+        means = []
+        for candidates, episodes in self._runs:
+            try:
+                policy = candidates.make_policy(settings_of(candidates))
+            except PRPError:
+                return 0.0
+            means.append(float(episodes.run(policy).scores.mean()))
+        return _mean(means)
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)
+
+
+def _is_hopeless(means: Sequence[float], best: Sequence[float]) -> bool:
+    lost = sum(1.0 - mean for mean in means)
+    return lost > HOPELESS * sum(1.0 - mean for mean in best[: len(means)])
+
+
+def _estimate(means: Sequence[float], best: Trial) -> float:
+    differences = [theirs - own for own, theirs in zip(means, best.by_scenario, strict=False)]
+    return max(0.0, best.score - _mean(differences))

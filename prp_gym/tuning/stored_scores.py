@@ -1,0 +1,49 @@
+"""`StoredScores`: scores of the validation of a search, kept in a file that outlives a killed run."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from prp_gym.artifacts import write_json
+from prp_gym.errors import DataFileError
+from prp_gym.files.checksum import checksum, seal, unseal
+from prp_gym.files.file_reader import RECORD_SIZE, FileReader
+
+VALIDATION = "validation.json"
+_REMEDY = "Remove it to validate anew"
+
+
+class StoredScores:
+    """Scores by name, written whenever there is a new one; those of another search are not used.
+
+    One run at a time may use a folder, which its user locks with `FolderLock`.
+
+    Args:
+        folder: folder of the file, which exists.
+        key: everything that the scores depend on, as plain JSON.
+
+    Raises:
+        DataFileError: a file that is damaged or altered; it is left as it is.
+    """
+
+    def __init__(self, folder: Path, key: Mapping[str, Any]) -> None:
+        self._path, self._search = folder / VALIDATION, checksum(dict(key))
+        self._scores = self._read() if self._path.exists() else {}
+
+    def find(self, name: str, compute: Callable[[], float]) -> float:
+        """The score of this name, computed and kept if it is not there.
+
+        Raises:
+            OutputError: the folder was removed, or cannot be written to.
+        """
+        if name not in self._scores:
+            self._scores[name] = compute()
+            write_json(self._path, seal({"search": self._search, "scores": self._scores}))
+        return self._scores[name]
+
+    def _read(self) -> dict[str, float]:
+        content = unseal(self._path, FileReader(RECORD_SIZE).read_json(self._path))
+        scores = content.get("scores")
+        if not isinstance(scores, dict) or not all(type(score) is float for score in scores.values()):
+            raise DataFileError(self._path, "holds no scores by name", _REMEDY)
+        return scores if content.get("search") == self._search else {}

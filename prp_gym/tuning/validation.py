@@ -1,0 +1,146 @@
+"""Validation: the best candidates of a search on fresh episodes, from which its result is chosen."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from prp_gym.tuning.candidates import Candidates
+from prp_gym.tuning.objective import Objective
+from prp_gym.tuning.task import VALIDATION_SEED
+from prp_gym.tuning.trial import Trial
+from prp_gym.tuning.tune import Tuned
+
+CANDIDATES, SELECTION_EPISODES = 10, 20
+"""The best candidates on the training episodes, and the fresh episodes that choose among them."""
+
+FINALISTS, FINAL_EPISODES = 3, 100
+"""The best candidates on these, and the further fresh episodes that compare them with the start."""
+
+DIGITS = 4
+"""Significant digits of the settings that are validated, and that are the result."""
+
+_SELECTION_SEED = VALIDATION_SEED + 1_000_000
+
+
+class Scores(Protocol):
+    """Keeps scores, so that a search that was killed in its validation goes on there; see `StoredScores`."""
+
+    def find(self, name: str, compute: Callable[[], float]) -> float:
+        """The score of this name, computed if it is not kept."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """Mean scores on episodes that the search did not use, and that its budget does not count.
+
+    Attributes:
+        seed: seed of the first of the final episodes.
+        episodes: number of final episodes.
+        score: score of the settings that were chosen [1].
+        score_of_start: score of the settings from which the search started [1].
+        kept_start: whether these were chosen, since no candidate was better.
+        selection_seed: seed of the first episode on which the finalists were selected.
+        selection_episodes: number of these episodes.
+        selection: scores of the best candidates on these episodes, in the order of their training scores [1].
+        finalists: scores of the finalists on the final episodes, in the order of the selection [1].
+    """
+
+    seed: int
+    episodes: int
+    score: float
+    score_of_start: float
+    kept_start: bool
+    selection_seed: int
+    selection_episodes: int
+    selection: tuple[float, ...]
+    finalists: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """The result of a search: what was chosen, and why.
+
+    Attributes:
+        trial: trial that was chosen; the first one, where the start was kept.
+        validation: scores on fresh episodes.
+    """
+
+    trial: Trial
+    validation: Validation
+
+
+def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores: Scores) -> Choice:
+    """Validate the best candidates of a search, and choose one of them or the start.
+
+    The ten best candidates run 20 fresh episodes, the best three of them 100 more together with the start.
+    The best of these is chosen, the start unless a candidate is better. The candidates' settings are rounded
+    before; those of the start are left as they are.
+
+    Args:
+        tuned: what the search has tried.
+        make_objective: function that gives the objective on so many episodes, from a seed on.
+        scores: scores that are kept.
+    """
+    objective = make_objective(_SELECTION_SEED, SELECTION_EPISODES)
+    final = make_objective(VALIDATION_SEED, FINAL_EPISODES)
+
+    def scored(stage: Objective, name: str, index: int) -> float:
+        return scores.find(f"{name} {index}", lambda: _score(stage, tuned.trials[index]))
+
+    best = _best_indices(tuned.trials)
+    selection = [scored(objective, "selection", index) for index in best]
+    order = sorted(range(len(best)), key=lambda place: -selection[place])[:FINALISTS]
+    finalists = [best[place] for place in order]
+    results = [scored(final, "final", index) for index in finalists]
+    start = scores.find("final start", lambda: final.score(start_settings))
+    found = max(results, default=-math.inf)
+    kept = found <= start
+    trial = tuned.trials[0] if kept else tuned.trials[finalists[results.index(found)]]
+    return Choice(
+        trial,
+        Validation(
+            seed=VALIDATION_SEED,
+            episodes=final.episodes,
+            score=start if kept else found,
+            score_of_start=start,
+            kept_start=kept,
+            selection_seed=_SELECTION_SEED,
+            selection_episodes=objective.episodes,
+            selection=tuple(selection),
+            finalists=tuple(results),
+        ),
+    )
+
+
+def start_settings(candidates: Candidates) -> Mapping[str, Any]:
+    """The settings from which a search starts, as they are."""
+    return candidates.space.settings(candidates.space.start)
+
+
+def rounded_settings(candidates: Candidates, factors: Mapping[str, float]) -> dict[str, Any]:
+    """The settings that factors give, every number rounded to four significant digits."""
+    return {name: _rounded(value) for name, value in candidates.space.settings(factors).items()}
+
+
+def _score(objective: Objective, trial: Trial) -> float:
+    return objective.score(lambda candidates: rounded_settings(candidates, trial.factors))
+
+
+def _best_indices(trials: Sequence[Trial]) -> list[int]:
+    """Indices of the best candidates that were not stopped, without the start, best first."""
+    complete = [index for index, trial in enumerate(trials) if index and not trial.stopped]
+    return sorted(complete, key=lambda index: -trials[index].score)[:CANDIDATES]
+
+
+def _rounded(value: Any) -> Any:
+    """A number, or an array, a list or a tuple of numbers, rounded; anything else as it is."""
+    if isinstance(value, np.ndarray):
+        return np.array([_rounded(item) for item in value.tolist()]) if value.ndim else _rounded(value.item())
+    if isinstance(value, (list, tuple)):
+        return type(value)(_rounded(item) for item in value)
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    return value
