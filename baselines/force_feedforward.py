@@ -40,8 +40,8 @@ class ForceFeedforwardController(OperationalStaticBaseline[ForceFeedforwardSetti
     n = f_d/|f_d| points into the surface, P leaves out the component along n, p is the position of the tip.
     Off the surface the tip moves along n at the speed |f_d|/d at last; on a spring K and with the mass m of
     the arm along n it obeys m ẍ + d ẋ + K x = |f_d|: stable for any d > 0 and any passive surface, with the
-    exact force at rest and the damping ratio d/(2 √(m K)). The force of the touch exceeds |f_d| by up to about
-    |f_d| (1 + √(1 + K m/d²)) - |f_d|. Errors of the model's gravity, and friction, are errors of the force:
+    exact force at rest and the damping ratio d/(2 √(m K)). After the touch the force peaks below
+    |f_d| (1 + √(1 + K m/d²)). Errors of the model's gravity, and friction, are errors of the force:
     nothing measures it. Held over a period dt the damping needs d dt < 2 m, with m down to 0.26 kg, and the
     motion control K_D dt < 2, K_P dt < 2 K_D.
 

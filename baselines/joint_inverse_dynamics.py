@@ -38,8 +38,8 @@ class JointInverseDynamicsController(Baseline[JointInverseDynamicsSettings]):
     + K_P q̃ = 0 on its own: natural frequency √K_P, damping ratio K_D/(2√K_P), stable for any positive
     gains in continuous time. With integral action it is stable for K_I < K_D K_P (Routh criterion on s³ +
     K_D s² + K_P s + K_I). Under an exact zero-order hold with period dt the double integrator needs K_D
-    dt < 2 and K_P dt² < 2 K_D dt; docs/theory.md gives the limits with integral action and with a one-
-    step actuation delay, which lowers them, as does the compensation, held too. With an inaccurate model
+    dt < 2 and K_P dt² < 2 K_D dt; docs/theory.md gives the limits with integral action and with a
+    one-step actuation delay, which lowers them, as does the compensation, held too. With an inaccurate model
     the error is bounded where the inertia estimate is near enough to the true one; a constant one
     vanishes only with integral action. The integral is held while an actuator is at its limit.
 

@@ -94,9 +94,10 @@ class TimeOptimalController(Baseline[TimeOptimalSettings]):
         return factor * effort + n, (np.where(free, integral + change, integral),)
 
     def _acceleration_limit(self, inertia: Array) -> Array:
-        """A (..., joints) from the inertia matrix (..., joints, joints)."""
+        """Acceleration limit a (..., joints) from the inertia matrix (..., joints, joints)."""
         own: Array = np.einsum("...ii->...i", inertia)
-        return self.settings.acceleration_share * self.interface.torque_limit / own
+        limit: Array = self.settings.acceleration_share * self.interface.torque_limit / own
+        return limit
 
     def _profile(self, error: Array, limit: Array) -> tuple[Array, Array]:
         """f(q̃) and f'(q̃), (..., joints) each, for acceleration limits a (..., joints)."""

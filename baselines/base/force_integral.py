@@ -89,9 +89,11 @@ class ForceIntegral(ABC):
 
     Attributes:
         arrays: number of state arrays.
+        restarted: indices of the state arrays that are set to 0 while an actuator is at its limit.
     """
 
     arrays: ClassVar[int]
+    restarted: ClassVar[tuple[int, ...]] = ()
 
     @abstractmethod
     def begin(self, shape: tuple[int, ...]) -> Memory:
@@ -148,7 +150,8 @@ class FixedGains(ForceIntegral):
 class ScheduledGain(ForceIntegral):
     """ẋ_F = n ω_c e_D/K̂ in contact, n v before it where a force is desired; never faster than v(K̂).
 
-    e_D is the error e behind a low pass with the time constant D̂/K̂. On a surface of stiffness K and damping D
+    e_D is the error e behind a low pass with the time constant D̂/K̂, or 0.2/ω_c if that is more; it starts
+    from 0 at the touch, and wherever an actuator was at its limit. On a surface of stiffness K and damping D
     the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
     Without the low pass a damping above about 2 K/ω_c makes the loop unstable, since the damper passes the
     speed of the target on to the force at once.
@@ -174,6 +177,8 @@ class ScheduledGain(ForceIntegral):
     estimator: StiffnessEstimator
 
     arrays: ClassVar[int] = 4
+    restarted: ClassVar[tuple[int, ...]] = (2,)
+    least_delay: ClassVar[float] = 0.2
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
         """A displacement of zero, no contact, no filtered error, and an estimator without measurements."""
@@ -201,8 +206,10 @@ class ScheduledGain(ForceIntegral):
             contact[..., 0],
         )
         surface = self.estimator.surface(estimate)
-        stiffness, delay = surface.stiffness[..., None], (surface.damping / surface.stiffness)[..., None]
-        period = self.estimator.period
+        stiffness, period = surface.stiffness[..., None], self.estimator.period
+        delay = np.maximum(
+            surface.damping[..., None] / stiffness, self.least_delay / max(self.bandwidth, 1e-9)
+        )
         smooth = np.where(contact, memory[2] + period / (period + delay) * (error.value - memory[2]), 0.0)
         phase = np.where(contact, _TOUCHING, np.where(phase == _NEVER, _NEVER, _LOST))
         rate = self._rate(error, smooth, phase, stiffness, rate_scaling)

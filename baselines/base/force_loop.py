@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prp_gym.baselines.base.approach_speed import ApproachSpeed, FixedSpeed, SpeedForForce, braking_time
 from prp_gym.baselines.base.force_integral import (
@@ -152,6 +153,16 @@ class ForceLoop(OperationalBaseline[SettingsT]):
             state: state of the controller; the force loop's arrays come first, then those of the subclass.
             error: force error.
         """
+
+    def _hold(
+        self, before: ControllerState, after: ControllerState, limited: NDArray[np.bool_]
+    ) -> ControllerState:
+        """Hold the displacement, and restart what follows the force error; see `Baseline._hold`."""
+        held = super()._hold(before, after, limited)
+        return tuple(
+            np.where(limited[..., None], 0.0, new) if index in self._integral.restarted else new
+            for index, new in enumerate(held)
+        )
 
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""

@@ -1,4 +1,4 @@
-"""The stiffness and damping of a surface, estimated online from the force and the position of the tip in contact."""
+"""The stiffness and damping of a surface, estimated online from force and motion of the tip in contact."""
 
 import math
 from dataclasses import dataclass

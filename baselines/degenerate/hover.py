@@ -14,7 +14,7 @@ _DAMPING = 0.05  # of the pseudoinverse, since the position part of J_A is singu
 
 
 class HoverPolicy(HoldFloor):
-    """The control law of `HoldFloor` about a moving position: toward the surface, and back at the first touch.
+    """The control law of `HoldFloor` about a position that moves to the surface and back at the first touch.
 
     The tip approaches along the desired force at 2 cm/s; once a force is felt, it retreats by 2 mm and stays.
     """
@@ -39,7 +39,7 @@ class HoverPolicy(HoldFloor):
         return torque, (moved, felt.astype(np.float64))
 
     def _joint_step(self, q: Array, step: Array) -> Array:
-        """The step of the joints (..., 3) that moves the tip by `step` (..., 3) [m], its angles as they may."""
+        """The step of the joints (..., 3) that moves the tip by `step` (..., 3) [m]."""
         jacobian = self.model.analytical_jacobian(q)[..., :3, :]  # type: ignore[union-attr]
         return solve_least_squares(jacobian, step, _DAMPING)
 

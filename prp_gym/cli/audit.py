@@ -69,8 +69,9 @@ def _show(audits: list[Audit]) -> None:
     console.print(audit_table(audits))
     console.print(unaware_table(audits, list(UNAWARE)))
     console.print(
-        f"rank correlation: Spearman's, of the mean score with the smallness of each criterion, over at least "
+        "rank correlation: Spearman's, of the mean score with the smallness of each criterion, over at least "
         f"{LEAST_POLICIES} policies, with its 95 % interval over episodes. An episode that does not settle "
-        f"counts as the worst by every criterion. It has to exceed {LEAST_CORRELATION:g}, and no policy of the "
-        "best tenth by score may be in the worse half by a criterion. Energies are shown for information."
+        "counts as the worst by every criterion. The correlation has to exceed "
+        f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
+        "criterion. Energies are shown for information."
     )

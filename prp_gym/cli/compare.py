@@ -24,7 +24,6 @@ from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
 from prp_gym.comparison.table import (
     aggregate_table,
-    audit_table,
     condition_scores,
     condition_table,
     effort_table,
@@ -61,14 +60,6 @@ def compare_command(
     output: Annotated[Path, typer.Option(help="Folder for results.json and figures.")] = Path("comparison"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    audit: Annotated[
-        bool,
-        typer.Option(
-            "--audit",
-            help="Run every controller also with its other gain sets: the reward is checked over more "
-            "policies, which appear nowhere else.",
-        ),
-    ] = False,
     fresh: Fresh = False,
     plugin: Plugins = None,
 ) -> None:
@@ -82,7 +73,7 @@ def compare_command(
     selected = Selection.of(env or [], scenario or _DEFAULT_SCENARIOS, baseline or [], chosen)
     check_protocol(episodes, seed)
     agents = find_agents(selected.environment_ids, agent or [])
-    listed = list_comparison_jobs(selected, agents, episodes, seed, varied=audit)
+    listed = list_comparison_jobs(selected, agents, episodes, seed)
     selected.check_used(listed)
     run = Run(output, workers, selected.controllers, fresh)
     with run.hold(listed):
@@ -113,8 +104,8 @@ def _show(outcome: Outcome, run: Run) -> None:
         console.print(condition_scores(condition, outcome.seed))
         console.print(condition_table(condition, outcome.seed))
     notes = [
-        "score: mean over episodes, and training seeds, of the mean reward of a step, 1 is perfect; its 95 % interval "
-        f"is over both. {SCORE_NOTE}"
+        "score: mean over episodes, and training seeds, of the mean reward of a step, 1 is perfect; its 95 % "
+        f"interval is over both. {SCORE_NOTE}"
     ]
     if outcome.spread:
         console.print(spread_table(outcome.conditions))
@@ -133,14 +124,6 @@ def _show(outcome: Outcome, run: Run) -> None:
             "learning effort: medians over training seeds, from the mean scores that training or tuning "
             "itself has measured, in the scenario named; violations: in the whole training."
         )
-    if outcome.audits:
-        console.print(audit_table(outcome.audits))
-        notes.append(
-            "rank correlation: over policies, between score and smallness of the physical error; its 95 % "
-            "interval is over episodes. It is not significant for policies that hardly differ: --audit "
-            "adds more policies."
-        )
-    notes += [f"{name}: {reason}." for name, reason in _reasons(outcome)]
     if run.busy:
         notes.append(
             "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
@@ -148,8 +131,3 @@ def _show(outcome: Outcome, run: Run) -> None:
     for note in notes:
         console.print(note, highlight=False)
     console.print(f"results: {run.results}", highlight=False)
-
-
-def _reasons(outcome: Outcome) -> list[tuple[str, str]]:
-    """The reason for each physical error, each of them once."""
-    return list(dict.fromkeys((audit.physical_error, audit.reason) for audit in outcome.audits))

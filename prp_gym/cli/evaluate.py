@@ -30,6 +30,9 @@ from prp_gym.runs.selection import Selection
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.runs.workers import Workers
 
+Conditions = list[tuple[str, str, list[Row]]]
+"""Environment, scenario and rows of each condition."""
+
 _DEFAULT_SCENARIOS = ["report", "randomized"]
 
 
@@ -67,14 +70,15 @@ def evaluate_command(
     run = Run(output, workers, selected.controllers, fresh)
     with run.hold(jobs_to_run):
         records = run.records(jobs_to_run, "evaluating")
-        run.write(jobs_to_run, records, {"ranking": _ranking(records)})
-    _show(records, run)
+        conditions = _conditions(records)
+        run.write(jobs_to_run, records, {"ranking": _ranking(conditions)})
+    _show(conditions, run)
 
 
-def _show(records: list[Record], run: Run) -> None:
+def _show(conditions: Conditions, run: Run) -> None:
     """Print the tables, with notes that explain them."""
     console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for table in (*_tables(records), *_scores(records)):
+    for table in (*_tables(conditions), *_scores(conditions)):
         console.print(table)
     console.print(f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}")
     if run.busy:
@@ -82,23 +86,23 @@ def _show(records: list[Record], run: Run) -> None:
     console.print(f"results: {run.results}", highlight=False)
 
 
-def _conditions(records: list[Record]) -> Iterator[tuple[str, str, list[Row]]]:
+def _conditions(records: list[Record]) -> Conditions:
     """Environment, scenario and rows of each condition, in the order of the records."""
-    keys = dict.fromkeys((record["environment"], record["scenario"]) for record in records)
-    for environment_id, scenario in keys:
-        own = [r for r in records if (r["environment"], r["scenario"]) == (environment_id, scenario)]
-        yield environment_id, scenario, [Row.of(record) for record in own]
+    rows: dict[tuple[str, str], list[Row]] = {}
+    for record in records:
+        rows.setdefault((record["environment"], record["scenario"]), []).append(Row.of(record))
+    return [(*key, own) for key, own in rows.items()]
 
 
-def _tables(records: list[Record]) -> Iterator[Table]:
+def _tables(conditions: Conditions) -> Iterator[Table]:
     """Two tables for each condition: scores and failures, and the medians of the metrics."""
-    for environment_id, scenario, rows in _conditions(records):
+    for environment_id, scenario, rows in conditions:
         title = f"{environment_id}, scenario {scenario}"
         yield score_table(f"{title}: scores", rows)
         yield evaluation_table(title, rows, scoring_of(environment_id).columns)
 
 
-def _ranking(records: list[Record]) -> list[dict[str, Any]]:
+def _ranking(conditions: Conditions) -> list[dict[str, Any]]:
     """The controllers of each condition by their scores, best first, with their skill over the best floor."""
     return [
         {
@@ -109,18 +113,18 @@ def _ranking(records: list[Record]) -> list[dict[str, Any]]:
             "score": row.score.value,
             "skill": row.summary.skill(best_floor(rows)),
         }
-        for environment_id, scenario, rows in _conditions(records)
+        for environment_id, scenario, rows in conditions
         for row in ranked(rows)
     ]
 
 
-def _scores(records: list[Record]) -> list[Table]:
+def _scores(conditions: Conditions) -> list[Table]:
     """The scores alone, a table for each scenario; none where there is one environment only."""
-    conditions = list(_conditions(records))
     ids = list(dict.fromkeys(environment_id for environment_id, _, _ in conditions))
     if len(ids) == 1:
         return []
-    names = list(dict.fromkeys(row.name for _, _, rows in conditions for row in rows))
+    every = [row for _, _, rows in conditions for row in rows]
+    names = list(dict.fromkeys(row.name for row in sorted(every, key=lambda row: row.floor)))
     tables: list[Table] = []
     for scenario in dict.fromkeys(scenario for _, scenario, _ in conditions):
         lines = [(own, _cells(names, rows)) for own, other, rows in conditions if other == scenario]

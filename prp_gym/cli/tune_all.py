@@ -13,7 +13,7 @@ from rich.table import Table
 from prp_gym.cli.options import Backend, Environments, ParallelWorkers, Plugins
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
-from prp_gym.runs.search_plan import list_pairs, plan_search, run_or_fail
+from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
@@ -26,9 +26,16 @@ _FAILED = 1  # exit code
 def tune_all_command(
     env: Environments = None,
     baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
+    budget: Annotated[
+        int | None,
+        typer.Option(
+            help="Control steps to simulate at most in each search, of all environments together. Default: "
+            "the simulated training time of an agent on the environment."
+        ),
+    ] = None,
     budget_scale: Annotated[
         float,
-        typer.Option(help="Share of the simulated training time of an agent that is the budget of a search."),
+        typer.Option(help="Share of these budgets that is spent."),
     ] = 1.0,
     seed: Annotated[int, typer.Option(help="Seed of the searches and of their training episodes.")] = 0,
     output: Annotated[Path, typer.Option(help="Folder for the folders of the searches.")] = Path("tuning"),
@@ -38,16 +45,18 @@ def tune_all_command(
 ) -> None:
     """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
 
-    Each search has as much simulated time as the training of an agent, maximises the mean over the scenarios
-    realistic and randomized, and is validated as by `tune`. A run that was interrupted goes on where it
-    stopped when the same command is given again.
+    Each search maximises the mean over the scenarios realistic and randomized within a budget of simulated
+    time, and is validated as by `tune`. A run that was interrupted goes on where it stopped when the same
+    command is given again.
     """
     workers = Workers(jobs, backend)
     if not 0.0 < budget_scale <= 100.0:
         raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
-    pairs = list_pairs(check_names("environment", env or [], list_envs()), baseline or [])
+    combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
-    searches = [plan_search(pair, budget_scale, seed, output, command) for pair in pairs]
+    searches = [
+        plan_search(combination, budget, budget_scale, seed, output, command) for combination in combinations
+    ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
     console = make_console(least=TABLE_WIDTH)
     outcomes: list[TunedController | PRPError] = []

@@ -10,7 +10,6 @@ from prp_gym.comparison.jobs import (
     ComparisonJob,
     ControllerJob,
     find_search,
-    list_varied,
 )
 from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.runs.evaluation_job import list_jobs, make_environment
@@ -22,7 +21,7 @@ FREQUENCY = 500.0
 
 
 def list_comparison_jobs(
-    selected: Selection, agents: Sequence[AgentFile], episodes: int, seed: int, varied: bool = False
+    selected: Selection, agents: Sequence[AgentFile], episodes: int, seed: int
 ) -> list[ComparisonJob]:
     """In each condition the controllers, the agents, and the floors.
 
@@ -31,7 +30,6 @@ def list_comparison_jobs(
         agents: agents to compare, of all environments.
         episodes: number of episodes of each job; a deterministic scenario has one.
         seed: random seed of the first episode.
-        varied: whether every controller is also run with its other gain sets, after all other jobs.
 
     Raises:
         PRPError: see `list_jobs` and `find_search`.
@@ -51,7 +49,4 @@ def list_comparison_jobs(
         ]
         floors = list_floors([(environment_id, scenario)], FREQUENCY, episodes, seed)
         jobs += [ComparedFloorJob(**vars(job)) for job in floors]
-    if varied:
-        compared = [job for job in jobs if isinstance(job, ControllerJob)]
-        jobs += [item for job in compared for item in list_varied(job, selected.controllers)]
     return jobs

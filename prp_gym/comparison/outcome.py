@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from prp_gym.artifacts import to_plain
-from prp_gym.comparison.audit import Audit, audit_rewards
 from prp_gym.comparison.effort import Effort, learning_efforts
 from prp_gym.comparison.statistics import (
     Aggregate,
@@ -29,7 +28,6 @@ class Outcome:
         pairwise_comparisons: best controller against best agent, under conditions that have both.
         aggregates: families of policies over their tasks.
         efforts: learning effort of the trained and tuned policies.
-        audits: reward against physical error, under conditions whose task declares one.
         seed: random seed of every bootstrap.
     """
 
@@ -37,7 +35,6 @@ class Outcome:
     pairwise_comparisons: tuple[PairwiseComparison, ...]
     aggregates: tuple[Aggregate, ...]
     efforts: tuple[Effort, ...]
-    audits: tuple[Audit, ...]
     seed: int
 
     @classmethod
@@ -57,7 +54,6 @@ class Outcome:
             pairwise_comparisons=tuple(compare_best(conditions, seed)),
             aggregates=tuple(aggregate_tasks(conditions, seed)),
             efforts=tuple(learning_efforts(conditions)),
-            audits=tuple(audit_rewards(conditions, seed)),
             seed=seed,
         )
 
@@ -79,7 +75,6 @@ class Outcome:
                 "pairwise_comparisons": [_pairwise(pairwise) for pairwise in self.pairwise_comparisons],
                 "aggregates": [_aggregate(item) for item in self.aggregates],
                 "efforts": self.efforts,
-                "audits": [_audit(audit) for audit in self.audits],
             }
         )
         return plain
@@ -111,11 +106,6 @@ def _pairwise(pairwise: PairwiseComparison) -> dict[str, Any]:
         "apart": pairwise.apart,
         "verdict": pairwise.verdict,
     }
-
-
-def _audit(audit: Audit) -> dict[str, Any]:
-    changed = {"policies": dict(audit.policies), "correlation": audit.correlation._asdict()}
-    return {**vars(audit), **changed, "flagged": audit.flagged}
 
 
 def _aggregate(item: Aggregate) -> dict[str, Any]:

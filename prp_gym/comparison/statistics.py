@@ -6,6 +6,7 @@ account for that choice, which favours the kind that has more policies to choose
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -41,6 +42,7 @@ def estimate_score(entry: Entry, seed: int) -> Estimate:
     return bootstrap_mean(entry.scores[0], rng)
 
 
+@lru_cache(maxsize=4096)
 def summarise(entry: Entry, seed: int) -> ScoreSummary:
     """Scores of a policy with intervals as in `estimate_score`, and its failed episodes.
 

@@ -7,10 +7,9 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from prp_gym.comparison.audit import LEAST_CORRELATION, Audit
 from prp_gym.comparison.effort import Effort
 from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, summarise, training_spread
-from prp_gym.comparison.values import AGENT, FLOOR, VARIED, Condition, Entry
+from prp_gym.comparison.values import AGENT, FLOOR, Condition, Entry
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table, score_table
@@ -41,8 +40,6 @@ def fold(name: str, width: int = _WIDEST_NAME) -> str:
 def condition_table(condition: Condition, seed: int) -> Table:
     """The policies under a condition with medians of the metrics, best score first.
 
-    Controllers with other gains, which take part in the audit alone, are left out.
-
     Args:
         condition: environment and scenario with their policies.
         seed: random seed of the bootstrap.
@@ -71,7 +68,7 @@ def condition_rows(condition: Condition, seed: int) -> list[Row]:
         condition: environment and scenario with their policies.
         seed: random seed of the bootstrap.
     """
-    return [_row(entry, len(condition.seeds), seed) for entry in condition.entries if entry.kind != VARIED]
+    return [_row(entry, len(condition.seeds), seed) for entry in condition.entries]
 
 
 def _row(entry: Entry, episodes: int, seed: int) -> Row:
@@ -134,23 +131,6 @@ def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
         reference = _ABSENT if math.isnan(item.reference.value) else f"{item.reference.value:.3f}"
         family = fold(item.family, 50)
         table.add_row(item.scenario, family, str(item.tasks), *_score(item.score), reference)
-    return table
-
-
-def audit_table(audits: Iterable[Audit]) -> Table:
-    """Audit of the reward against the physical error, flagged where they disagree."""
-    table = _make("reward against physical error", ("environment", "scenario", "physical error"))
-    _add(table, "policies", "rank\ncorrelation", "95 %\ninterval", f"below\n{LEAST_CORRELATION:g}")
-    for item in audits:
-        value, low, high = item.correlation
-        table.add_row(
-            short_id(item.environment_id),
-            item.scenario,
-            fold(item.physical_error, 44),
-            str(len(item.policies)),
-            *((_ABSENT, _ABSENT) if math.isnan(value) else (f"{value:.2f}", f"{low:.2f} {high:.2f}")),
-            "!" if item.flagged else "",
-        )
     return table
 
 

@@ -22,8 +22,8 @@ KINDS = {
 """Kinds of policies with their names in tables and plots.
 
 A controller has its tuned gains, which a search has found with as much simulated time as the training of an
-agent takes; one with other gains takes part in the audit of the reward alone. Floors do not attempt the
-task: zero torque, and holding the start pose. Every policy has to exceed them.
+agent takes; one with other gains, or an exploit of the reward, takes part in an audit alone. Floors do not
+attempt the task: zero torque, and holding the start pose. Every policy has to exceed them.
 """
 
 _RENAMED = {"zero": FLOOR}  # as results of version 0.1 call it

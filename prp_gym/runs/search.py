@@ -129,8 +129,8 @@ class Search:
             seconds=sum(trial.seconds for trial in tuned.trials),
             history=tuple((used, trial.score) for used, trial in rows),
             history_by_scenario={
-                name: tuple(trial.by_scenario[place] for _, trial in rows)
-                for place, name in enumerate(task.scenarios)
+                name: tuple(trial.by_scenario[number] for _, trial in rows)
+                for number, name in enumerate(task.scenarios)
             },
             score=choice.trial.score,
             score_of_start=tuned.trials[0].score,

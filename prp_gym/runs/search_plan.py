@@ -29,7 +29,7 @@ SECONDS_WITHOUT_AGENT = 5000.0
 """Simulated time of a search on an environment for which there is no agent in the package [s]."""
 
 
-def list_pairs(environment_ids: Sequence[str], controllers: Sequence[str]) -> list[tuple[str, str]]:
+def list_combinations(environment_ids: Sequence[str], controllers: Sequence[str]) -> list[tuple[str, str]]:
     """Environments with the controllers that are intended for them.
 
     Args:
@@ -42,11 +42,11 @@ def list_pairs(environment_ids: Sequence[str], controllers: Sequence[str]) -> li
     """
     specs = [CONTROLLERS.find(name) for name in controllers or CONTROLLERS]
     ids = list(environment_ids or list_envs())
-    pairs = [(name, spec.name) for name in ids for spec in specs if name in spec.data.intended]
-    if not pairs:
+    combinations = [(name, spec.name) for name in ids for spec in specs if name in spec.data.intended]
+    if not combinations:
         intended = {spec.name: list(spec.data.intended) for spec in specs}
         raise InvalidValueError("environments", ids, f"at least one of those intended, {intended}")
-    return pairs
+    return combinations
 
 
 @cache
@@ -57,12 +57,15 @@ def simulated_seconds(environment_id: str) -> Fraction:
     return max(times, default=Fraction(SECONDS_WITHOUT_AGENT))
 
 
-def plan_search(pair: tuple[str, str], scale: float, seed: int, output: Path, command: str) -> Search:
+def plan_search(
+    combination: tuple[str, str], budget: int | None, scale: float, seed: int, output: Path, command: str
+) -> Search:
     """The search for the gains of a controller on an environment, which goes on where it was interrupted.
 
     Args:
-        pair: environment id and name of the controller.
-        scale: share of the simulated time of an agent that is the budget.
+        combination: environment id and name of the controller.
+        budget: control steps that may be simulated; None for the simulated training time of an agent.
+        scale: share of the budget that is spent.
         seed: seed of the search.
         output: folder for the folder of the search.
         command: command line that runs the search.
@@ -70,9 +73,11 @@ def plan_search(pair: tuple[str, str], scale: float, seed: int, output: Path, co
     Raises:
         InvalidValueError: a budget that is too small.
     """
-    environment_id, name = pair
-    budget = math.floor(simulated_seconds(environment_id) * Fraction(FREQUENCY) * Fraction(scale))
-    task = TuningTask(environment_id, name, SCENARIOS, FREQUENCY, budget, EPISODES, seed)
+    environment_id, name = combination
+    steps = simulated_seconds(environment_id) * Fraction(FREQUENCY) if budget is None else Fraction(budget)
+    task = TuningTask(
+        environment_id, name, SCENARIOS, FREQUENCY, math.floor(steps * Fraction(scale)), EPISODES, seed
+    )
     return Search(task, ControllerChoice(name, gains=GainsChoice(TUNED)), output, command, resume=True)
 
 

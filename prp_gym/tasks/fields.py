@@ -250,7 +250,7 @@ FORCE_ERROR = Field.symmetric(
     ("1", "1"),
     "world",
     (np.inf,) * 2,
-    "relative error of the force, in which an excess counts more than its size, and disturbance of the contact",
+    "relative force error, in which an excess counts more than its size; disturbance of the contact",
 )
 """What the errors of force tasks remember of the contact; recorded, not observed."""
 

@@ -89,7 +89,7 @@ class StartSampler(ABC, Generic[StartT]):
 
     Attributes:
         reset_options: Values that `reset(options=...)` takes, by name.
-        greatest_stiffness: Greatest stiffness of the surfaces that are drawn; infinite without surfaces [N/m].
+        greatest_stiffness: Greatest stiffness of the drawn surfaces; infinite without any [N/m].
     """
 
     reset_options: Mapping[str, ResetOption]

@@ -2,7 +2,7 @@
 
 from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.episodes import Episodes, EpisodeScores
-from prp_gym.tuning.objective import Measurement, Objective, ScenarioCandidates
+from prp_gym.tuning.objective import CandidateScore, Objective, ScenarioCandidates
 from prp_gym.tuning.search_space import Parameter, SearchSpace
 from prp_gym.tuning.stored_scores import StoredScores
 from prp_gym.tuning.stored_study import StoredStudy
@@ -14,11 +14,11 @@ from prp_gym.tuning.validation import Choice, Validation, choose
 from prp_gym.tuning.widening import Ranges, ranges_after
 
 __all__ = [
+    "CandidateScore",
     "Candidates",
     "Choice",
     "EpisodeScores",
     "Episodes",
-    "Measurement",
     "Objective",
     "Parameter",
     "Ranges",

@@ -1,6 +1,7 @@
 """Episodes on which candidates are scored, without a recording."""
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -30,7 +31,8 @@ class Episodes:
 
     They are those that `prp_gym.evaluate` runs with these seeds, and so are their scores. An episode ends
     with a divergence, or where a policy's action is not finite; the rest of it scores 0 and is not simulated.
-    They are simulated side by side for a policy that takes several observations at once, else one by one.
+    They are simulated side by side, those of several policies too, for policies that take several
+    observations at once, else one by one.
 
     Args:
         env: environment of this suite; its wrappers are ignored.
@@ -43,7 +45,7 @@ class Episodes:
     def __init__(self, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> None:
         inner: Any = check_environment(env)
         self._seeds = seeds
-        self._loops = {len(seeds): inner.make_loop(len(seeds)), 1: inner.make_loop(1)}
+        self._make_loop = cache(inner.make_loop)
         self._horizon = int(inner.config.horizon)
         self._shape = tuple(inner.action_space.shape)
 
@@ -58,33 +60,74 @@ class Episodes:
         Raises:
             PolicyOutputError: the policy returns something else than actions and a state.
         """
+        return self.run_all([policy])[0]
+
+    def run_all(self, policies: Sequence[Policy]) -> list[EpisodeScores]:
+        """The scores of several policies; those of each are the same as if it was run alone.
+
+        Raises:
+            PolicyOutputError: a policy returns something else than actions and a state.
+        """
+        if all(takes_batches(policy) for policy in policies):
+            return self._run(policies, self._seeds)
+        return [self._run_one(policy) for policy in policies]
+
+    def _run_one(self, policy: Policy) -> EpisodeScores:
         if takes_batches(policy):
-            return self._run(policy, self._seeds)
-        parts = [self._run(_OneByOne(policy, self._shape), [seed]) for seed in self._seeds]
+            return self._run([policy], self._seeds)[0]
+        parts = [self._run([_OneByOne(policy, self._shape)], [seed])[0] for seed in self._seeds]
         return EpisodeScores(
             np.concatenate([part.scores for part in parts]), sum(part.steps for part in parts)
         )
 
-    def _run(self, policy: Policy, seeds: Sequence[int]) -> EpisodeScores:
-        count, loop = len(seeds), self._loops[len(seeds)]
-        rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
+    def _run(self, policies: Sequence[Policy], seeds: Sequence[int]) -> list[EpisodeScores]:
+        """The scores of policies whose episodes are simulated in one loop, those of a policy in a row."""
+        size, count = len(seeds), len(seeds) * len(policies)
+        loop = self._make_loop(count)
+        rngs = [seeding.np_random(int(seed))[0] for _ in policies for seed in seeds]
         observation = loop.reset(np.arange(count), rngs, {})
-        returns, alive, steps = np.zeros(count), np.ones(count, dtype=np.bool_), 0
-        state, starts = None, np.ones(count, dtype=np.bool_)
+        acting = [_Acting(policy, (size, *self._shape)) for policy in policies]
+        returns, steps = np.zeros(count), np.zeros(count, dtype=np.int64)
+        alive = np.ones(count, dtype=np.bool_)
         for _ in range(self._horizon):
-            with np.errstate(all="ignore"):  # gains may be so large that torques overflow
-                output = policy.predict(observation, state, episode_start=starts, deterministic=True)
-            action, state = check_output(policy, output, (count, *self._shape), finite=False)
-            starts = np.zeros(count, dtype=np.bool_)
+            parts = zip(
+                acting, np.split(observation, len(policies)), np.split(alive, len(policies)), strict=True
+            )
+            action = np.concatenate([own.act(seen, living) for own, seen, living in parts])
             alive &= np.isfinite(action).all(axis=1)
             if not alive.any():
                 break
-            step = loop.step(action.astype(np.float64), None if alive.all() else ~alive)
+            step = loop.step(action, None if alive.all() else ~alive)
             returns[alive] += step.reward[alive]
-            steps += int(np.count_nonzero(alive))
+            steps[alive] += 1
             alive &= ~step.terminated
             observation = step.observation
-        return EpisodeScores(returns / self._horizon, steps)
+        scores = np.split(returns / self._horizon, len(policies))
+        return [
+            EpisodeScores(own, int(used.sum()))
+            for own, used in zip(scores, np.split(steps, len(policies)), strict=True)
+        ]
+
+
+class _Acting:
+    """A policy in its episodes, with its state."""
+
+    def __init__(self, policy: Policy, shape: tuple[int, ...]) -> None:
+        self._policy, self._shape = policy, shape
+        self._state: Any = None
+        self._starts = np.ones(shape[0], dtype=np.bool_)
+
+    def act(self, observation: NDArray[Any], alive: NDArray[np.bool_]) -> Array:
+        """The actions (episodes, joints); zeros once all episodes have ended."""
+        if not alive.any():
+            return np.zeros(self._shape)
+        with np.errstate(all="ignore"):  # gains may be so large that torques overflow
+            output = self._policy.predict(
+                observation, self._state, episode_start=self._starts, deterministic=True
+            )
+        action, self._state = check_output(self._policy, output, self._shape, finite=False)
+        self._starts = np.zeros(self._shape[0], dtype=np.bool_)
+        return action.astype(np.float64)
 
 
 class _OneByOne:

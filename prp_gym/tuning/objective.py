@@ -1,6 +1,7 @@
 """`Objective`: what a search maximises, the mean score of a candidate over episodes of several scenarios."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -29,7 +30,7 @@ class ScenarioCandidates(NamedTuple):
     candidates: Candidates
 
 
-class Measurement(NamedTuple):
+class CandidateScore(NamedTuple):
     """What running a candidate gave.
 
     Attributes:
@@ -75,43 +76,72 @@ class Objective:
         """Control steps of a candidate of which no episode ends early."""
         return sum(episodes.most_steps for _, episodes in self._runs)
 
-    def measure(self, factors: Mapping[str, float], best: Trial | None) -> Measurement:
-        """Run a candidate, to its end or until it is hopeless.
+    def measure(self, proposals: Sequence[Mapping[str, float]], best: Trial | None) -> list[CandidateScore]:
+        """Run candidates side by side, each to its end or until it is hopeless.
 
         A candidate that the controller refuses scores 0 and uses as much of the budget as a whole one.
 
         Args:
-            factors: factors of the search space, by the names of its parameters.
-            best: the best trial so far, if there is one.
-        """
-        means: list[float] = []
-        steps = 0
-        for candidates, episodes in self._runs:
-            if best is not None and _is_hopeless(means, best.by_scenario):
-                return Measurement(_estimate(means, best), steps, tuple(means), stopped=True)
-            try:
-                policy = candidates.make(factors)
-            except PRPError:
-                return Measurement(0.0, self.most_steps, (0.0,) * len(self._runs), stopped=False)
-            outcome = episodes.run(policy)
-            means.append(float(outcome.scores.mean()))
-            steps += outcome.steps
-        return Measurement(_mean(means), steps, tuple(means), stopped=False)
+            proposals: factors of the search space for each candidate, by the names of its parameters.
+            best: the best trial before these, if there is one.
 
-    def score(self, settings_of: Callable[[Candidates], Settings]) -> float:
-        """Mean score of given settings, over all episodes of all scenarios; 0 for refused ones.
+        Returns:
+            one for each candidate, the same as if it was run alone.
+        """
+        found: dict[int, CandidateScore] = {}
+        running = [_Running(number) for number in range(len(proposals))]
+        for candidates, episodes in self._runs:
+            policies = []
+            for item in list(running):
+                try:
+                    policies.append(candidates.make(proposals[item.number]))
+                except PRPError:
+                    found[item.number] = CandidateScore(0.0, self.most_steps, (0.0,) * len(self._runs), False)
+                    running.remove(item)
+            for item, outcome in zip(running, episodes.run_all(policies) if policies else [], strict=True):
+                item.means.append(float(outcome.scores.mean()))
+                item.steps += outcome.steps
+            for item in list(running):
+                whole = len(item.means) == len(self._runs)
+                if whole or (best is not None and _is_hopeless(item.means, best.by_scenario)):
+                    found[item.number] = item.measured(None if whole else best)
+                    running.remove(item)
+        return [found[number] for number in range(len(proposals))]
+
+    def score(self, settings_of: Sequence[Callable[[Candidates], Settings]]) -> list[float]:
+        """Mean scores of given settings, over all episodes of all scenarios.
 
         Args:
-            settings_of: function that gives the settings from the candidates of a scenario.
+            settings_of: functions that give accepted settings from the candidates of a scenario.
         """
-        means = []
+        means: list[list[float]] = [[] for _ in settings_of]
         for candidates, episodes in self._runs:
-            try:
-                policy = candidates.make_policy(settings_of(candidates))
-            except PRPError:
-                return 0.0
-            means.append(float(episodes.run(policy).scores.mean()))
-        return _mean(means)
+            policies = [candidates.make_policy(settings(candidates)) for settings in settings_of]
+            for own, outcome in zip(means, episodes.run_all(policies), strict=True):
+                own.append(float(outcome.scores.mean()))
+        return [_mean(own) for own in means]
+
+
+@dataclass
+class _Running:
+    """A candidate that is being run.
+
+    Attributes:
+        number: index of the candidate among those that are run side by side.
+        means: mean scores in the scenarios so far [1].
+        steps: control steps so far.
+    """
+
+    number: int
+    means: list[float] = field(default_factory=list)
+    steps: int = 0
+
+    def measured(self, best: Trial | None) -> CandidateScore:
+        """What running it gave; an estimate from the best trial where it was stopped."""
+        means = tuple(self.means)
+        if best is None:
+            return CandidateScore(_mean(means), self.steps, means, stopped=False)
+        return CandidateScore(_estimate(means, best), self.steps, means, stopped=True)
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -1,6 +1,6 @@
 """`StoredScores`: scores of the validation of a search, kept in a file that outlives a killed run."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,16 +30,17 @@ class StoredScores:
         self._path, self._search = folder / VALIDATION, checksum(dict(key))
         self._scores = self._read() if self._path.exists() else {}
 
-    def find(self, name: str, compute: Callable[[], float]) -> float:
-        """The score of this name, computed and kept if it is not there.
+    def find(self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[float]]) -> list[float]:
+        """The scores of these names; those that are not there are computed together, and kept.
 
         Raises:
             OutputError: the folder was removed, or cannot be written to.
         """
-        if name not in self._scores:
-            self._scores[name] = compute()
+        missing = [name for name in names if name not in self._scores]
+        if missing:
+            self._scores |= dict(zip(missing, compute(missing), strict=True))
             write_json(self._path, seal({"search": self._search, "scores": self._scores}))
-        return self._scores[name]
+        return [self._scores[name] for name in names]
 
     def _read(self) -> dict[str, float]:
         content = unseal(self._path, FileReader(RECORD_SIZE).read_json(self._path))

@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     import optuna
 
 
+ROUND = 4
+"""Candidates of a round, in which none knows the score of another one; the start is a round of its own."""
+
+
 class _LockOfFolder:
     """Optuna's lock of a journal, which is not needed: the whole folder is locked by `FolderLock`."""
 
@@ -42,7 +46,8 @@ class StoredStudy:
     far, since in many dimensions a small budget finds little that is better than gains already good but near
     them. The ranges of the factors grow where the best candidate lies at their edge; see `ranges_after`.
 
-    The proposal after n finished trials depends on them and on the seed alone: a search that was killed and
+    Candidates come in rounds of four, which are run side by side since that takes little longer than one. The
+    proposals of a round depend on the trials before it and on the seed alone: a search that was killed and
     goes on makes the same proposals as one that was not. The journal holds finished trials alone, each
     written in one piece: one that was under way when the run was killed is run again, and its steps are
     counted once, since nothing was learned from them before. One run at a time may use a
@@ -70,21 +75,23 @@ class StoredStudy:
             self._journal.set_user_attr(KEY_OF_SEARCH, self._key)
         self.trials = [_read(trial) for trial in self._journal.get_trials(deepcopy=False)]
 
-    @property
-    def ranges(self) -> Ranges:
-        """The ranges of the factors after the trials so far."""
-        return ranges_after(self._space.parameters, self.trials)
+    def ranges(self, trials: Sequence[Trial]) -> Ranges:
+        """The ranges of the factors after some trials."""
+        return ranges_after(self._space.parameters, trials)
 
-    def propose(self) -> dict[str, float]:
-        """The factors of the next candidate; those of the first are 1."""
+    @property
+    def known(self) -> list[Trial]:
+        """The trials before the current round, on which its proposals depend."""
+        return self.trials[: _first_of_round(len(self.trials))]
+
+    def propose(self) -> list[dict[str, float]]:
+        """The factors of the candidates that are left of the current round; the first round is the start."""
         index = len(self.trials)
         if index == 0:
-            return self._space.start
-        seeds = np.random.SeedSequence((self._seed, index))
-        parameters = self.ranges.parameters
-        if is_local(index):
-            return local_step(parameters, self.trials, np.random.default_rng(seeds))
-        return self._sample(parameters, int(seeds.generate_state(1)[0]))
+            return [self._space.start]
+        known = self.known
+        parameters = self.ranges(known).parameters
+        return [self._propose(number, parameters, known) for number in range(index, len(known) + ROUND)]
 
     def record(self, trial: Trial) -> None:
         """Keep a finished trial.
@@ -99,12 +106,20 @@ class StoredStudy:
             raise OutputError(self._path, error) from error
         self.trials.append(trial)
 
-    def _sample(self, parameters: Sequence[Parameter], seed: int) -> dict[str, float]:
-        """A candidate of Optuna's sampler, which sees all trials in the ranges as they are now."""
+    def _propose(
+        self, index: int, parameters: Sequence[Parameter], known: Sequence[Trial]
+    ) -> dict[str, float]:
+        seeds = np.random.SeedSequence((self._seed, index))
+        if is_local(index):
+            return local_step(parameters, known, np.random.default_rng(seeds))
+        return self._sample(parameters, known, int(seeds.generate_state(1)[0]))
+
+    def _sample(self, parameters: Sequence[Parameter], known: Sequence[Trial], seed: int) -> dict[str, float]:
+        """A candidate of Optuna's sampler, which sees the trials in the ranges as they are now."""
         sampler = self._optuna.samplers.TPESampler(seed=seed, multivariate=True)
         study = self._optuna.create_study(direction="maximize", sampler=sampler)
         distributions = self._distributions(parameters)
-        study.add_trials([self._frozen(trial, distributions, {}) for trial in self.trials])
+        study.add_trials([self._frozen(trial, distributions, {}) for trial in known])
         return dict(study.ask(distributions).params)
 
     def _distributions(self, parameters: Sequence[Parameter]) -> dict[str, Any]:
@@ -124,7 +139,7 @@ class StoredStudy:
 
     def _sealed(self, trial: Trial) -> optuna.trial.FrozenTrial:
         """A finished trial for the journal, with a checksum among its attributes."""
-        distributions = self._distributions(self.ranges.parameters)
+        distributions = self._distributions(self.ranges(self.trials).parameters)
         to_json = self._optuna.distributions.distribution_to_json
         plain = {name: to_json(item) for name, item in distributions.items()}
         attributes = {
@@ -166,6 +181,11 @@ class StoredStudy:
             load_if_exists=True,
         )
         return study
+
+
+def _first_of_round(index: int) -> int:
+    """Index of the first trial in the round of a trial."""
+    return 0 if index == 0 else 1 + (index - 1) // ROUND * ROUND
 
 
 def _read(trial: optuna.trial.FrozenTrial) -> Trial:

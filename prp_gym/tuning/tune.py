@@ -1,5 +1,6 @@
 """`tune`: candidates are evaluated until the budget is spent."""
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -30,11 +31,14 @@ class Study(Protocol):
     trials: list[Trial]
 
     @property
-    def ranges(self) -> Ranges:
-        """The ranges of the factors after the trials so far."""
+    def known(self) -> Sequence[Trial]:
+        """The trials before the current round."""
 
-    def propose(self) -> dict[str, float]:
-        """The factors of the next candidate."""
+    def ranges(self, trials: Sequence[Trial]) -> Ranges:
+        """The ranges of the factors after some trials."""
+
+    def propose(self) -> list[dict[str, float]]:
+        """The factors of the candidates that are left of the current round, at least one."""
 
     def record(self, trial: Trial) -> None:
         """Keep a finished trial."""
@@ -133,18 +137,20 @@ def tune(
     if task.budget < objective.most_steps:
         raise InvalidValueError("budget", task.budget, f"at least {objective.most_steps}, one trial", "steps")
     used = sum(trial.steps for trial in study.trials)
-    while used + objective.most_steps <= _allowed(task, study):
+    while room := int((_allowed(task, study) - used) // objective.most_steps):
         before = time.perf_counter()
-        factors = study.propose()
-        found = objective.measure(factors, best_trial(study.trials))
-        seconds = time.perf_counter() - before
-        trial = Trial(factors, found.score, found.steps, seconds, found.by_scenario, found.stopped)
-        study.record(trial)
-        used += trial.steps
-        on_trial(trial)
-    return Tuned(tuple(study.trials), study.ranges)
+        proposals = study.propose()[:room]
+        found = objective.measure(proposals, best_trial(study.known))
+        seconds = (time.perf_counter() - before) / len(found)
+        for factors, item in zip(proposals, found, strict=True):
+            trial = Trial(factors, item.score, item.steps, seconds, item.by_scenario, item.stopped)
+            study.record(trial)
+            used += trial.steps
+            on_trial(trial)
+    return Tuned(tuple(study.trials), study.ranges(study.trials))
 
 
-def _allowed(task: TuningTask, study: Study) -> float:
-    """Control steps that the search may use, given where its best candidate lies."""
-    return task.budget * (1.0 + EXTRA) if study.ranges.is_open else task.budget
+def _allowed(task: TuningTask, study: Study) -> int:
+    """Control steps that may be used in this round, given where the best candidate before it lies."""
+    extra = EXTRA if study.ranges(study.known).is_open else 0.0
+    return math.floor(task.budget * (1.0 + extra))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -28,8 +29,8 @@ _SELECTION_SEED = VALIDATION_SEED + 1_000_000
 class Scores(Protocol):
     """Keeps scores, so that a search that was killed in its validation goes on there; see `StoredScores`."""
 
-    def find(self, name: str, compute: Callable[[], float]) -> float:
-        """The score of this name, computed if it is not kept."""
+    def find(self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[float]]) -> list[float]:
+        """The scores of these names; those that are not kept are computed together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,15 +88,19 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
     objective = make_objective(_SELECTION_SEED, SELECTION_EPISODES)
     final = make_objective(VALIDATION_SEED, FINAL_EPISODES)
 
-    def scored(stage: Objective, name: str, index: int) -> float:
-        return scores.find(f"{name} {index}", lambda: _score(stage, tuned.trials[index]))
+    def scored(stage: Objective, names: Sequence[str]) -> list[float]:
+        return stage.score([settings_of[name.partition(" ")[2]] for name in names])
 
     best = _best_indices(tuned.trials)
-    selection = [scored(objective, "selection", index) for index in best]
-    order = sorted(range(len(best)), key=lambda place: -selection[place])[:FINALISTS]
-    finalists = [best[place] for place in order]
-    results = [scored(final, "final", index) for index in finalists]
-    start = scores.find("final start", lambda: final.score(start_settings))
+    settings_of: dict[str, Callable[[Candidates], Mapping[str, Any]]] = {
+        str(index): partial(rounded_settings, factors=tuned.trials[index].factors) for index in best
+    }
+    settings_of["start"] = start_settings
+    selection = scores.find([f"selection {index}" for index in best], lambda names: scored(objective, names))
+    order = sorted(range(len(best)), key=lambda number: -selection[number])[:FINALISTS]
+    finalists = [best[number] for number in order]
+    named = [f"final {index}" for index in finalists]
+    *results, start = scores.find([*named, "final start"], lambda names: scored(final, names))
     found = max(results, default=-math.inf)
     kept = found <= start
     trial = tuned.trials[0] if kept else tuned.trials[finalists[results.index(found)]]
@@ -123,10 +128,6 @@ def start_settings(candidates: Candidates) -> Mapping[str, Any]:
 def rounded_settings(candidates: Candidates, factors: Mapping[str, float]) -> dict[str, Any]:
     """The settings that factors give, every number rounded to four significant digits."""
     return {name: _rounded(value) for name, value in candidates.space.settings(factors).items()}
-
-
-def _score(objective: Objective, trial: Trial) -> float:
-    return objective.score(lambda candidates: rounded_settings(candidates, trial.factors))
 
 
 def _best_indices(trials: Sequence[Trial]) -> list[int]:

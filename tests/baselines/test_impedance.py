@@ -51,7 +51,7 @@ def test_torque_is_the_inverse_dynamics_of_the_model_s_acceleration_and_the_forc
     model: RobotParameters, oracle: PinocchioArm
 ) -> None:
     given = random_pose_observation(oracle, 1, 40)
-    torque = controller(model=model).torque(given)
+    torque = controller(model=model).control(given, ())[0]
     for row, a in enumerate(wanted(given)):
         q, velocity = given["joint_position"][row], given["joint_velocity"][row]
         y = np.linalg.pinv(oracle_jacobian(oracle, q)) @ (a - oracle_drift(oracle, q, velocity))
@@ -62,7 +62,7 @@ def test_torque_is_the_inverse_dynamics_of_the_model_s_acceleration_and_the_forc
 def test_tip_in_contact_accelerates_as_the_model_as_far_as_the_joints_can() -> None:
     oracle = PinocchioArm()
     given = random_pose_observation(oracle, 2, 40)
-    reached = pose_acceleration(oracle, given, controller().torque(given), given["contact_force"])
+    reached = pose_acceleration(oracle, given, controller().control(given, ())[0], given["contact_force"])
     left = column_space_of(oracle, given, wanted(given) - reached)
     np.testing.assert_allclose(left, 0.0, atol=DIFFERENCES)
 

@@ -82,7 +82,7 @@ def resolved(given: Observed, row: int) -> tuple[Array, set[int]]:
 
 def test_joint_that_would_press_on_its_limit_is_left_out_and_the_others_do_what_they_can() -> None:
     given = at_limits(3, 200)
-    torque, counts = controller().torque(given), set()
+    torque, counts = controller().control(given, ())[0], set()
     for row in range(200):
         y, blocked = resolved(given, row)
         counts.add(len(blocked))
@@ -96,7 +96,7 @@ def test_joint_that_would_press_on_its_limit_is_left_out_and_the_others_do_what_
 def test_limits_change_nothing_where_no_joint_presses() -> None:
     given = at_limits(4, 200)
     free = [not resolved(given, row)[1] for row in range(200)]
-    respected, ignored = controller().torque(given), controller("ignored").torque(given)
+    respected, ignored = controller().control(given, ())[0], controller("ignored").control(given, ())[0]
     assert 20 < sum(free) < 180
     np.testing.assert_array_equal((respected == ignored).all(axis=1), free)
 
@@ -104,13 +104,13 @@ def test_limits_change_nothing_where_no_joint_presses() -> None:
 @pytest.mark.parametrize("damping", [0.0, 0.3])
 def test_torque_of_a_row_does_not_depend_on_its_neighbours(damping: float) -> None:
     policy, given = controller(pseudoinverse_damping=damping), at_limits(5, 60)
-    together = policy.torque(given)
+    together = policy.control(given, ())[0]
     pressed = [len(resolved(given, row)[1]) for row in range(60)]
     assert set(pressed) == {0, 1, 2, 3}
     for row in range(60):
-        alone = policy.torque({name: values[row : row + 1] for name, values in given.items()})
+        alone = policy.control({name: values[row : row + 1] for name, values in given.items()}, ())[0]
         np.testing.assert_array_equal(alone[0], together[row])
     # beside a row without a blocked joint, and beside one in which all joints are blocked
     for row, other in product(range(0, 60, 7), (pressed.index(0), pressed.index(3))):
-        two_rows = policy.torque({name: values[[other, row]] for name, values in given.items()})
+        two_rows = policy.control({name: values[[other, row]] for name, values in given.items()}, ())[0]
         np.testing.assert_array_equal(two_rows[1], together[row])

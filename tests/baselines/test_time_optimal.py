@@ -156,7 +156,7 @@ def test_small_errors_decay_with_the_poles_of_the_gains() -> None:
 
 
 @pytest.mark.parametrize(("integral_gain", "remains"), [(0.0, True), (3000.0, False)])
-def test_only_the_integral_removes_the_error_of_a_wrong_mass(integral_gain: float, remains: bool) -> None:
+def test_only_the_integral_removes_what_link_mass_errors_leave(integral_gain: float, remains: bool) -> None:
     heavy = PRPArm(PRPArm().parameters.with_masses((1.5, 1.0, 1.1)))
     goal = (0.5, -0.2, 0.3)
     run = simulate(arm(integral_gain=integral_gain), (0.0, -0.1, 0.0), hold(goal), 2.0, plant=heavy)

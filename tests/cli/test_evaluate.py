@@ -19,6 +19,7 @@ from prp_gym.runs import code, run
 from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
+from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import JobResult, Record, run_job
 from prp_gym.runs.store import JobStore
 from tests.runs.test_workers import needs_ray
@@ -36,7 +37,10 @@ OPTIONS = [
 CONDITIONS = [(environment_id, scenario) for environment_id in IDS for scenario in SCENARIOS]
 REGISTERED = Controllers()
 CHOICES = [ControllerChoice(name, gains=GainsChoice("tuned_50hz")) for name in CONTROLLERS]
-JOBS = list_jobs(CONDITIONS, CHOICES, REGISTERED, 50.0, 3, 5)
+JOBS: list[EvaluationJob | FloorJob] = [
+    *list_jobs(CONDITIONS, CHOICES, REGISTERED, 50.0, 3, 5),
+    *list_floors(CONDITIONS, 50.0, 3, 5),
+]
 
 
 def outcome(folder: Path) -> list[dict[str, Any]]:
@@ -79,7 +83,9 @@ def test_results_of_two_workers_are_those_of_one_process(
 
 
 def test_results_are_in_the_order_of_the_options(expected: list[dict[str, Any]]) -> None:
-    assert [(row["environment"], row["scenario"], row["baseline"]) for row in expected] == [
+    assert [
+        (row["environment"], row["scenario"], row["baseline"]) for row in expected if not row.get("floor")
+    ] == [
         (environment_id, scenario, controller)
         for environment_id in IDS
         for scenario in SCENARIOS

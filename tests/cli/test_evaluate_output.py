@@ -35,8 +35,13 @@ def results_of(folder: Path) -> dict[str, Any]:
     return content
 
 
+def evaluations(content: dict[str, Any]) -> list[dict[str, Any]]:
+    """The evaluations of controllers, without those of the floors."""
+    return [row for row in content["evaluations"] if not row.get("floor")]
+
+
 def jobs_of(content: dict[str, Any]) -> list[tuple[str, str, str]]:
-    return [(row["environment"], row["scenario"], row["baseline"]) for row in content["evaluations"]]
+    return [(row["environment"], row["scenario"], row["baseline"]) for row in evaluations(content)]
 
 
 def run_evaluate(folder: Path, *options: str) -> str:
@@ -83,7 +88,7 @@ def test_evaluate_writes_what_the_evaluator_finds(tmp_path: Path, scenario: str)
     environment_id, controller = list_envs()[0], next(iter(BASELINES))
     options = ("--env", environment_id, "--baseline", controller, "--scenario", scenario)
     run_evaluate(tmp_path, *options, "--episodes", "2", "--seed", "9", "--gains", "report")
-    (row,) = results_of(tmp_path)["evaluations"]
+    (row,) = evaluations(results_of(tmp_path))
     made = gymnasium.make(environment_id, scenario=scenario)
     policy = make_baseline(controller, made, "report")
     expected = evaluate(policy, made, episodes=2, seed=9)
@@ -112,14 +117,12 @@ def test_evaluate_prints_whole_tables_best_controller_first(half_a_second: None,
     output = run_evaluate(tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1")
     assert "…" not in output
     assert max(map(len, output.splitlines())) <= WIDTH
-    scores = {row["baseline"]: row["score"]["value"] for row in results_of(tmp_path)["evaluations"]}
+    scores = {row["baseline"]: row["score"]["value"] for row in evaluations(results_of(tmp_path))}
     printed = [
         line.split()[:2] for line in output.splitlines() if line.split()[:1] and line.split()[0] in scores
     ]
-    assert printed == [
-        [controller, f"{scores[controller]:.3f}"]
-        for controller in sorted(scores, key=lambda controller: -scores[controller])
-    ]
+    ranking = [[name, f"{scores[name]:.3f}"] for name in sorted(scores, key=lambda name: -scores[name])]
+    assert printed == 2 * ranking  # the table of the scores, and that of the metrics
     assert f"results: {tmp_path / 'results.json'}" in output.replace("\n", "")
 
 
@@ -140,7 +143,7 @@ def test_evaluate_takes_every_set_that_all_controllers_have(
     run_evaluate(
         tmp_path, "--env", list_envs()[0], "--scenario", "report", "--episodes", "1", "--gains", gains
     )
-    assert {row["settings"]["gains"] for row in results_of(tmp_path)["evaluations"]} == {gains}
+    assert {row["settings"]["gains"] for row in evaluations(results_of(tmp_path))} == {gains}
 
 
 def test_evaluate_twice_gives_the_same_numbers(half_a_second: None, tmp_path: Path) -> None:

@@ -114,6 +114,6 @@ def test_interrupted_search_says_how_many_steps_are_kept(
         patch.setattr(StoredStudy, "record", then_signal(StoredStudy.record, signal.SIGTERM))
         assert run_until_exit(TUNE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
-    assert "interrupted: 2500 steps of the budget are kept in" in told
+    assert "interrupted: 5000 steps of the budget are kept in" in told
     assert "the same command with --resume goes on there" in told
     assert [path.name for path in (tmp_path / TUNED).iterdir()] == ["study.log"]

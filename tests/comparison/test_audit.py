@@ -1,21 +1,26 @@
-"""Rank correlation against values computed by hand, and physical errors of policies."""
+"""Rank correlation against values computed by hand, and audits of made-up policies."""
+
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from prp_gym.comparison.audit import LEAST_CORRELATION, Audit, audit_rewards
+from prp_gym.comparison.audit import (
+    LEAST_CORRELATION,
+    Audit,
+    Finding,
+    audit_rewards,
+    criterion_values,
+)
 from prp_gym.comparison.rank import average_ranks, rank_correlation, resampled_correlations
-from prp_gym.comparison.task_error import physical_errors
 from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import ShapeError
-from prp_gym.evaluation.scoring import scoring_of
-from prp_gym.tasks.spec import TaskError
-from tests.support.synthetic_comparison import agents, record
+from prp_gym.tasks.spec import Criterion
+from tests.support.synthetic_comparison import record
 
 ROUNDING = 1e-12  # a few additions of small numbers
-JOINT_ERROR = TaskError({"joint_mean_error": (0.02, 0.01, 0.042)}, "made up as that of joint tracking is")
 
 
 def test_ties_share_the_mean_of_their_ranks() -> None:
@@ -59,95 +64,57 @@ def test_resample_without_a_correlation_is_left_out() -> None:
     np.testing.assert_allclose(resampled_correlations(x, y), [1.0, -1.0], atol=ROUNDING)
 
 
-def entry(**metrics: object) -> Entry:
-    plain = record("joint_pd", [0.5, 0.5, 0.5])
-    return Entry.of([{**plain, "episodes": {**plain["episodes"], **metrics}}])
+def policy(
+    name: str, score: float, settling: float, unsettled: float = 0.0, **metrics: float
+) -> dict[str, Any]:
+    """The record of a policy with the same result in each of three episodes."""
+    made = record(name, [score] * 3)
+    values = {"response_settling_time": settling, "unsettled": unsettled, "overshoot": 1.0, **metrics}
+    values |= {"excess_energy": 1.0, "energy": 1.0}
+    return {**made, "episodes": {**made["episodes"], **{key: [[value]] * 3 for key, value in values.items()}}}
 
 
-def test_physical_error_is_the_sum_of_absolute_shares() -> None:
-    made = entry(joint_mean_error=[[0.06, 0.04, 0.0], [0.0, 0.0, -0.042], [0.0, 0.02, 0.042]])
-    # 3 + 4 + 0, 0 + 0 + 1, 0 + 2 + 1
-    found = physical_errors(made, JOINT_ERROR)
-    np.testing.assert_allclose(found, [[7.0, 1.0, 3.0]], atol=ROUNDING)
-
-
-def test_physical_error_of_several_metrics_is_their_sum_in_their_own_units() -> None:
-    made = entry(force_mean_error=[[1.0]] * 3, orientation_mean_error=[[0.1]] * 3)
-    task_error = TaskError({"force_mean_error": (2.0,), "orientation_mean_error": (0.05,)}, "")
-    np.testing.assert_allclose(physical_errors(made, task_error), [[2.5] * 3], atol=ROUNDING)
-    assert task_error.name == "force_mean_error + orientation_mean_error"
-
-
-def test_episode_that_diverged_has_an_infinite_error() -> None:
-    made = entry(joint_mean_error=[[None] * 3, [0.0] * 3, [None, 0.0, 0.0]])
-    assert physical_errors(made, JOINT_ERROR).tolist() == [[np.inf, 0.0, np.inf]]
-
-
-def audited(*records: dict[str, object]) -> Audit:
+def audited(*records: dict[str, Any]) -> Audit:
     (audit,) = audit_rewards(group_conditions(records), 0)
     return audit
 
 
-def test_reward_that_ranks_policies_otherwise_than_the_error_is_flagged() -> None:
-    records = [record(name, [score]) for name, score in (("a", 0.9), ("b", 0.8), ("c", 0.2))]
-    audit = audited(*records)
-    assert [audit.correlation.value, audit.flagged, len(audit.policies)] == pytest.approx([1.0, False, 3])
-    # 0.08 of (1, 0.5, 2) in units of (0.02 rad, 0.01 m, 0.042 rad)
-    assert audit.policies["c"] == pytest.approx((0.2, 0.08 * (1 / 0.02 + 0.5 / 0.01 + 2 / 0.042)))
-    records[0]["episodes"]["joint_mean_error"] = [[9.0, 9.0, 9.0]]
-    audit = audited(*records)
-    assert [audit.correlation.value, audit.flagged] == pytest.approx([-0.5, True])
-    assert audited(records[0]).flagged
+def finding(audit: Audit, metric: str) -> Finding:
+    return next(item for item in audit.findings if item.metric == metric)
 
 
-def test_least_correlation_itself_is_enough() -> None:
-    records = [record(name, [score]) for name, score in (("a", 0.9), ("b", 0.8), ("c", 0.2), ("d", 0.1))]
-    records[0]["episodes"]["joint_mean_error"] = [[0.025, 0.0, 0.0]]
-    records[1]["episodes"]["joint_mean_error"] = [[0.020, 0.0, 0.0]]
-    audit = audited(*records)  # two neighbours of four exchanged: 1 - 6 * 2 / 60
-    assert audit.correlation.value == pytest.approx(LEAST_CORRELATION)
-    assert not audit.flagged
+def test_criterion_of_an_episode_that_does_not_settle_is_the_worst_and_no_value_is_beyond() -> None:
+    plain = policy("joint_pd", 0.5, 1.0)
+    plain["episodes"]["overshoot"] = [[3.0], [250.0], [None]]
+    plain["episodes"]["unsettled"] = [[100.0], [0.0], [100.0]]
+    found = criterion_values(Entry.of([plain]), Criterion("overshoot", 100.0))
+    np.testing.assert_array_equal(found, [[100.0, 100.0, np.nan]])
 
 
-def test_error_of_a_policy_is_the_interquartile_mean_over_rows_and_episodes() -> None:
-    errors = np.array([[[50.0], [2.0], [3.0], [4.0]], [[0.0], [2.0], [3.0], [70.0]]])
-    rows = agents("a", np.array([[0.5] * 4, [0.7] * 4]))
-    for row, own in zip(rows, errors, strict=True):
-        row["episodes"]["joint_mean_error"] = (own * [0.02, 0.0, 0.0]).tolist()
-    audit = audited(*rows, record("b", [0.1] * 4))
-    assert audit.policies["a"] == pytest.approx((0.6, 3.0))  # of 0 2 2 3 3 4 50 70 the middle four
+def test_score_that_ranks_policies_as_a_criterion_does_correlates_fully() -> None:
+    ranked = [policy(f"policy {i}", 1.0 - i / 50, 0.1 * i) for i in range(40)]
+    audit = audited(*ranked)
+    assert finding(audit, "response_settling_time").correlation.value == pytest.approx(1.0)
+    assert finding(audit, "response_settling_time").holds
+    assert not audited(*ranked[:39]).holds  # too few policies
 
 
-def test_interval_of_the_correlation_is_over_episodes_that_all_policies_share() -> None:
-    rng = np.random.default_rng(0)
-    difficulty = 0.3 * rng.random(40)  # much more than what tells the policies apart, and the same for all
-    paired = [record(name, 0.6 + step - difficulty) for name, step in (("a", 0.02), ("b", 0.01), ("c", 0.0))]
-    assert audited(*paired).correlation == (1.0, 1.0, 1.0)
-    noisy = [record(name, 0.5 + 0.3 * rng.random(40)) for name in "abcd"]
-    for item in noisy:
-        error = 0.1 * rng.random((40, 1)) * [1.0, 0.0, 0.0]
-        item["episodes"]["joint_mean_error"] = error.tolist()
-    value, low, high = audited(*noisy).correlation
-    assert -1.0 <= low < value < high <= 1.0
-    assert high - low > 0.8  # chance decides the order of what does not differ
+def test_score_against_a_criterion_fails_and_names_the_bad_policies_among_the_best() -> None:
+    ranked = [policy(f"policy {i}", 1.0 - i / 50, 0.1 * i) for i in range(40)]
+    ranked[1] = policy("deceiver", 0.98, 1.0, unsettled=100.0)
+    found = finding(audited(*ranked), "response_settling_time")
+    assert found.correlation.value > LEAST_CORRELATION
+    assert found.offenders == ("deceiver",)
+    assert not found.holds
+    reversed_order = [policy(f"policy {i}", i / 50, 0.1 * i) for i in range(40)]
+    assert finding(audited(*reversed_order), "response_settling_time").correlation.value == pytest.approx(
+        -1.0
+    )
+    assert not audited(*reversed_order).holds
 
 
-def test_condition_with_a_single_policy_has_no_correlation() -> None:
-    assert np.isnan(audited(record("a", [0.4, 0.5])).correlation).all()
-
-
-def test_task_without_a_physical_error_is_left_out() -> None:
-    records = [
-        record("a", [0.4, 0.5]),
-        record("a", [0.4, 0.5], environment_id="PRP-Unknown-v0"),
-        record("b", [0.3, 0.2], environment_id="PRP-Unknown-v0"),
-    ]
-    (audit,) = audit_rewards(group_conditions(records), 0)
-    assert audit.environment_id == "PRP-JointTracking-v0"
-
-
-def test_audit_names_the_error_and_its_reason() -> None:
-    audit = audited(record("a", [0.4]))
-    error = scoring_of("PRP-JointTracking-v0").error
-    assert error is not None
-    assert (audit.physical_error, audit.reason) == ("joint_mean_error", error.reason)
+def test_energy_is_reported_and_fails_nothing() -> None:
+    ranked = [policy(f"policy {i}", 1.0 - i / 50, 0.1 * i, energy=40.0 - i) for i in range(40)]
+    found = finding(audited(*ranked), "energy")
+    assert not found.required
+    assert found.holds

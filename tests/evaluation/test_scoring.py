@@ -11,7 +11,7 @@ from prp_gym.tasks.spec import TASKS
 
 
 @pytest.mark.parametrize("environment_id", list_envs())
-def test_columns_and_error_of_a_task_are_metrics_that_its_episodes_have(environment_id: str) -> None:
+def test_columns_and_criteria_of_a_task_are_metrics_that_its_episodes_have(environment_id: str) -> None:
     env = gymnasium.make(environment_id, duration=0.1)
     controller = list_baselines(env.get_wrapper_attr("observation_layout"))[0]
     found = episode_metrics(record_episode(make_baseline(controller, env), env, 0))
@@ -22,13 +22,12 @@ def test_columns_and_error_of_a_task_are_metrics_that_its_episodes_have(environm
     for name in scoring.columns:
         assert METRICS[name].column is not None
         assert name in found
-    assert scoring.error is not None
-    for name, scale in scoring.error.parts.items():
-        assert name.endswith("_mean_error")
-        assert len(scale) == len(found[name])
-    assert scoring.error.reason
+    assert scoring.criteria or not TASKS[environment_id].released
+    for criterion in scoring.criteria:
+        assert len(found[criterion.metric]) == 1
+        assert criterion.worst > 0.0
 
 
-def test_task_that_is_not_declared_has_neither_columns_nor_an_error() -> None:
+def test_task_that_is_not_declared_has_neither_columns_nor_criteria() -> None:
     scoring = scoring_of("PRP-Unknown-v0")
-    assert (scoring.columns, scoring.error) == ((), None)
+    assert (scoring.columns, scoring.criteria) == ((), ())

@@ -91,8 +91,6 @@ def test_compare_needs_no_agents(installed: Path, tmp_path: Path) -> None:
     content = results(tmp_path / "comparison")
     kinds = [(row["policy"], row["kind"]) for row in content["evaluations"]]
     assert kinds == [(CONTROLLER, "controller"), ("joint_pd", "controller"), ("zero", "zero")]
-    (audit,) = content["audits"]
-    assert set(audit["policies"]) == {CONTROLLER, "joint_pd", "zero"}
     assert content["pairwise_comparisons"] == []
     assert f"{TASK}, scenario report" in output
 
@@ -104,7 +102,7 @@ def test_tune_searches_the_declared_space(installed: Path, tmp_path: Path) -> No
     result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert (result["trials"], result["used_steps"], result["code"]) == (2, 2 * STEPS, {})
     assert set(result["settings"]) == {"slope", "reaching_gain", "boundary_layer"}
-    assert result["score"] >= result["score_of_tuned"] > 0.98
+    assert result["score"] >= result["score_of_start"] > 0.98
     journal = (folder / "study.log").read_text(encoding="utf-8")
     assert f"plugin {MODULE}" in journal
     assert "boundary_layer_joint_3" in journal

@@ -29,7 +29,7 @@ def moved(spec: ControllerSpec, env: Any) -> dict[str, Any]:
     """Settings somewhere in the search space of a controller, as validated."""
     start: Any = make_baseline(spec, env)
     space = SearchSpace.of(spec, start.settings)
-    factors = {item.name: float(FACTORS[place % 4]) for place, item in enumerate(space.parameters)}
+    factors = {item.name: float(FACTORS[number % 4]) for number, item in enumerate(space.parameters)}
     return rounded_settings(Candidates(space, lambda values: make_baseline(spec, env, **values)), factors)
 
 

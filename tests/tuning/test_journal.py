@@ -50,7 +50,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, list[Any]]
     for _ in range(2):
         study = open_study(folder)
         for score in (0.25, 0.5):
-            study.record(Trial(study.propose(), score, 10, 0.125, (score, 0.25)))
+            study.record(Trial(study.propose()[0], score, 10, 0.125, (score, 0.25)))
     return (folder / JOURNAL).read_bytes(), study.trials
 
 

@@ -39,10 +39,10 @@ def objective() -> Objective:
 
 
 def test_score_is_the_mean_over_scenarios_of_the_evaluator_s_means(objective: Objective) -> None:
-    found = objective.measure(START, None)
+    found = objective.measure([START], None)[0]
     means = [
-        evaluate(make_baseline(CONTROLLER, env), env, 3, FIRST + 3 * place).metrics["score"].mean()
-        for place, (env, _) in enumerate(CONDITIONS)
+        evaluate(make_baseline(CONTROLLER, env), env, 3, FIRST + 3 * number).metrics["score"].mean()
+        for number, (env, _) in enumerate(CONDITIONS)
     ]
     # five episodes are three in each of two scenarios; sums in another order
     assert found.by_scenario == pytest.approx(means, rel=1e-12)
@@ -56,11 +56,11 @@ def test_deterministic_scenario_has_one_episode() -> None:
 
 
 def test_hopeless_candidate_is_run_in_the_first_scenario_alone(objective: Objective) -> None:
-    weak = objective.measure(WEAK, None)
-    best = objective.measure(START, None)
+    weak = objective.measure([WEAK], None)[0]
+    best = objective.measure([START], None)[0]
     assert 1.0 - weak.by_scenario[0] > HOPELESS * (1.0 - best.by_scenario[0])  # or there is nothing to see
     trial = Trial(START, best.score, best.steps, 0.0, best.by_scenario)
-    found = objective.measure(WEAK, trial)
+    found = objective.measure([WEAK], trial)[0]
     assert found.stopped
     assert found.by_scenario == weak.by_scenario[:1]
     assert found.steps == 3 * STEPS
@@ -69,17 +69,26 @@ def test_hopeless_candidate_is_run_in_the_first_scenario_alone(objective: Object
 
 
 def test_candidate_that_is_nearly_as_good_is_run_in_all_scenarios(objective: Objective) -> None:
-    best = objective.measure(START, None)
+    best = objective.measure([START], None)[0]
     trial = Trial(START, best.score, best.steps, 0.0, tuple(score + 1e-3 for score in best.by_scenario))
-    assert not objective.measure(START, trial).stopped
+    assert not objective.measure([START], trial)[0].stopped
 
 
 def test_refused_candidate_scores_nothing_and_uses_as_much_as_a_whole_one(objective: Objective) -> None:
-    found = objective.measure(dict.fromkeys(START, 1e12), None)
+    found = objective.measure([dict.fromkeys(START, 1e12)], None)[0]
     assert found == (0.0, objective.most_steps, (0.0, 0.0), False)
-    assert objective.score(lambda _: {"proportional_gain": -1.0}) == 0.0
 
 
 def test_score_of_settings_is_that_of_their_candidate(objective: Objective) -> None:
-    score = objective.score(lambda candidates: candidates.space.settings(WEAK))
-    assert score == objective.measure(WEAK, None).score
+    scores = objective.score([lambda candidates: candidates.space.settings(WEAK)] * 2)
+    assert scores == [objective.measure([WEAK], None)[0].score] * 2
+
+
+def test_candidates_that_are_run_side_by_side_score_as_if_run_alone(objective: Objective) -> None:
+    (start,) = objective.measure([START], None)
+    trial = Trial(START, start.score, start.steps, 0.0, start.by_scenario)
+    refused, other = dict.fromkeys(START, 1e12), dict.fromkeys(START, 0.9)
+    proposals = [WEAK, START, refused, other]
+    alone = [objective.measure([item], trial)[0] for item in proposals]
+    assert objective.measure(proposals, trial) == alone
+    assert {item.stopped for item in alone} == {False, True}

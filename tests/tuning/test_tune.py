@@ -33,6 +33,7 @@ from prp_gym.tuning import (
 )
 from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.local_step import is_local, local_step, step_length
+from prp_gym.tuning.widening import NO_LIMIT
 from tests.support.full_disk import room_for
 
 ENVIRONMENT = "PRP-Compliance-v0"
@@ -152,16 +153,19 @@ def test_training_episodes_of_the_last_seed_are_not_those_of_validation() -> Non
 class OneSetting:
     """A study that proposes the same over and over."""
 
-    def __init__(self, factors: dict[str, float]) -> None:
+    def __init__(self, factors: dict[str, float], edges: dict[str, str]) -> None:
         self.trials: list[Trial] = []
-        self.factors = factors
+        self.factors, self.edges = factors, edges
 
     @property
-    def ranges(self) -> Ranges:
-        return Ranges(SPACE.parameters, {})
+    def known(self) -> list[Trial]:
+        return self.trials
 
-    def propose(self) -> dict[str, float]:
-        return self.factors
+    def ranges(self, trials: Any) -> Ranges:
+        return Ranges(SPACE.parameters, self.edges)
+
+    def propose(self) -> list[dict[str, float]]:
+        return [self.factors]
 
     def record(self, trial: Trial) -> None:
         self.trials.append(trial)
@@ -169,8 +173,14 @@ class OneSetting:
 
 def test_candidate_that_the_controller_refuses_scores_nothing_and_is_charged_in_full() -> None:
     refused = {**SPACE.start, "frame_inertia_translation": 0.0}  # no mass
-    tuned = tune(TASK, objective(), OneSetting(refused))
+    tuned = tune(TASK, objective(), OneSetting(refused, {}))
     assert [(trial.score, trial.steps) for trial in tuned.trials] == [(0.0, COST)] * 12
+
+
+def test_search_goes_on_for_a_quarter_of_the_budget_at_an_edge_that_is_no_limit() -> None:
+    task = replace(TASK, budget=8 * COST)
+    for edges, trials in (({"a, high": NO_LIMIT}, 10), ({"a, high": "a declared limit"}, 8), ({}, 8)):
+        assert len(tune(task, objective(), OneSetting(SPACE.start, edges)).trials) == trials
 
 
 def distance(factors: Any) -> float:
@@ -181,7 +191,7 @@ def distance(factors: Any) -> float:
 def synthetic(folder: Path, trials: int, resume: bool = False) -> StoredStudy:
     study = StoredStudy(folder, SPACE, KEY, 0, resume)
     while len(study.trials) < trials:
-        factors = study.propose()
+        factors = study.propose()[0]
         keep(study, distance(factors), factors)
     return study
 
@@ -204,7 +214,7 @@ def test_every_step_has_a_direction_of_its_own(tmp_path: Path) -> None:
     study = StoredStudy(tmp_path, SPACE, KEY, 0, False)
     steps = []
     for score in (1.0, 0.5, 0.5):  # the start stays the best
-        factors = study.propose()
+        factors = study.propose()[0]
         steps.append(np.log(list(factors.values())))
         keep(study, score, factors)
     directions = [step / np.linalg.norm(step) for step in steps[1:]]
@@ -216,7 +226,7 @@ def test_sampler_looks_at_small_factors_as_often_as_at_large_ones(tmp_path: Path
     for seed in range(20):
         study = StoredStudy(tmp_path / str(seed), SPACE, KEY, seed, False)
         for _ in range(7):
-            last = study.propose()
+            last = study.propose()[0]
             keep(study, 0.5, last)
         factors += list(last.values())  # of the first candidate that is not a step
     # 140 draws, log-uniform on 0.1 to 10 or 0.2 to 5: their median's deviation is 0.1 in log; linear: 5
@@ -244,6 +254,19 @@ def test_search_is_neither_overwritten_nor_mixed_with_another(tmp_path: Path) ->
     with pytest.raises(InvalidValueError, match=r"'made': 'up'.*to resume one of \{'made': 'otherwise'\}"):
         StoredStudy(tmp_path, SPACE, {"made": "otherwise"}, 0, True)
     assert len(synthetic(tmp_path, 2, resume=True).trials) == 2
+
+
+def test_proposals_of_a_round_do_not_depend_on_each_other_s_scores(tmp_path: Path) -> None:
+    studies = [synthetic(tmp_path / str(score), 1) for score in (0.01, 0.9)]
+    proposals = [study.propose() for study in studies]
+    assert proposals[0] == proposals[1]
+    assert len(proposals[0]) == 4
+    for study, score in zip(studies, (0.01, 0.9), strict=True):
+        keep(study, score, proposals[0][0])
+        assert study.propose() == proposals[0][1:]
+        for factors in study.propose():
+            keep(study, 0.0, factors)
+    assert studies[0].propose() != studies[1].propose()
 
 
 def test_step_grows_with_success_and_shrinks_without() -> None:
@@ -308,7 +331,7 @@ def test_full_disk_ends_a_search_and_it_goes_on_later(tmp_path: Path) -> None:
     expected = synthetic(tmp_path / "whole", 6).trials
     folder = tmp_path / "run"
     study = synthetic(folder, 3)
-    factors = study.propose()
+    factors = study.propose()[0]
     with room_for((folder / JOURNAL).stat().st_size + 50), pytest.raises(OutputError) as caught:
         keep(study, 0.5, factors)
     assert caught.value.path == str(folder / JOURNAL)
@@ -318,7 +341,7 @@ def test_full_disk_ends_a_search_and_it_goes_on_later(tmp_path: Path) -> None:
 
 def test_folder_that_is_removed_ends_a_search(tmp_path: Path) -> None:
     study = synthetic(tmp_path / "run", 1)
-    factors = study.propose()
+    factors = study.propose()[0]
     shutil.rmtree(tmp_path / "run")
     with pytest.raises(OutputError, match="removed or renamed"):
         keep(study, 0.5, factors)

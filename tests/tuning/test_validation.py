@@ -21,27 +21,30 @@ SELECTION, FINAL = 501_000_000, 500_000_000
 class Fresh:
     """Fresh episodes on which the score of a candidate depends on its first factor, as told."""
 
-    def __init__(self, score_of: Mapping[float, float], asked: list[float]) -> None:
-        self.score_of, self.asked, self.episodes = score_of, asked, 0
+    def __init__(self, score_of: Mapping[float, float], seen: list[float]) -> None:
+        self.score_of, self.seen, self.episodes = score_of, seen, 0
 
-    def score(self, settings_of: Callable[[Candidates], Mapping[str, Any]]) -> float:
+    def score(self, settings_of: Sequence[Callable[[Candidates], Mapping[str, Any]]]) -> list[float]:
+        return [self._score(item) for item in settings_of]
+
+    def _score(self, settings_of: Callable[[Candidates], Mapping[str, Any]]) -> float:
         factor = settings_of(Candidates(PlainSpace(), lambda values: None))["first"]  # type: ignore[arg-type, return-value]
-        self.asked.append(factor)
+        self.seen.append(factor)
         return self.score_of[factor]
 
 
 class Kept:
     """Scores that are not kept."""
 
-    def find(self, name: str, compute: Callable[[], float]) -> float:
-        return compute()
+    def find(self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[float]]) -> list[float]:
+        return list(compute(names))
 
 
 def tuned(scores: Sequence[float]) -> Tuned:
     """Candidates with the first factors 1, 2, 3, ... and these training scores."""
     trials = [
-        Trial({"first": 1.0 + place, "second": 1.0}, score, 1, 0.0, (score,))
-        for place, score in enumerate(scores)
+        Trial({"first": 1.0 + number, "second": 1.0}, score, 1, 0.0, (score,))
+        for number, score in enumerate(scores)
     ]
     return Tuned(trials, Ranges((), {}))
 
@@ -49,15 +52,15 @@ def tuned(scores: Sequence[float]) -> Tuned:
 def run(
     search: Tuned, selection: Mapping[float, float], final: Mapping[float, float], scores: Any = None
 ) -> tuple[Any, list[float], list[float]]:
-    asked: dict[int, list[float]] = {SELECTION: [], FINAL: []}
+    seen: dict[int, list[float]] = {SELECTION: [], FINAL: []}
     score_of = {SELECTION: selection, FINAL: final}
 
     def make(seed: int, episodes: int) -> Any:
-        made = Fresh(score_of[seed], asked[seed])
+        made = Fresh(score_of[seed], seen[seed])
         made.episodes = episodes
         return made
 
-    return choose(search, make, Kept() if scores is None else scores), asked[SELECTION], asked[FINAL]
+    return choose(search, make, Kept() if scores is None else scores), seen[SELECTION], seen[FINAL]
 
 
 def test_candidate_that_is_best_in_training_but_worse_on_fresh_episodes_is_not_chosen() -> None:
@@ -103,11 +106,13 @@ def test_validation_that_was_killed_goes_on_to_the_same_end(tmp_path: Path) -> N
     search = tuned([0.5, 0.9, 0.8])
     selection, final = {2.0: 0.7, 3.0: 0.6}, {1.0: 0.4, 2.0: 0.5, 3.0: 0.6}
     expected, _, _ = run(search, selection, final)
-    for _ in range(2):  # killed in the second stage, before the last score
+    for _ in range(2):  # killed in the second stage, before its last score
         with pytest.raises(KeyError):
             run(search, selection, {2.0: 0.5, 3.0: 0.6}, StoredScores(tmp_path, {"a": 1}))
     found, first, last = run(search, selection, final, StoredScores(tmp_path, {"a": 1}))
-    assert (first, last) == ([], [1.0])
+    assert (first, last) == ([], [2.0, 3.0, 1.0])
+    again, first, last = run(search, {}, {}, StoredScores(tmp_path, {"a": 1}))  # all of them are kept
+    assert (first, last, again.validation) == ([], [], expected.validation)
     assert (found.trial, found.validation) == (expected.trial, expected.validation)
     _, first, last = run(search, selection, final, StoredScores(tmp_path, {"a": 2}))  # of another search
     assert (len(first), len(last)) == (2, 3)
@@ -122,7 +127,7 @@ def test_damaged_scores_are_refused_and_left_as_they_are(tmp_path: Path, change:
 
 
 def test_altered_score_is_refused(tmp_path: Path) -> None:
-    StoredScores(tmp_path, {}).find("one", lambda: 0.25)
+    assert StoredScores(tmp_path, {}).find(["one"], lambda names: [0.25]) == [0.25]
     content = json.loads((tmp_path / VALIDATION).read_text(encoding="utf-8"))
     content["scores"]["one"] = 0.75
     (tmp_path / VALIDATION).write_text(json.dumps(content), encoding="utf-8")

@@ -278,7 +278,7 @@ def test_unknown_start_is_refused() -> None:
 
 
 class Contact:
-    """A force task of one environment under a contact force that the test gives, 2 N being desired along y."""
+    """A force task of one environment under a given contact force, with 2 N desired along y."""
 
     def __init__(self, environment_id: str) -> None:
         self.task = task_of(environment_id)
