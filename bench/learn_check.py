@@ -90,7 +90,7 @@ class _Zero:
     def predict(
         self, observation: Any, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Any, Any]:
-        """No torque."""
+        """Zero actions, one for each observation."""
         return np.zeros((*np.shape(observation)[:-1], self._size), dtype=np.float32), state
 
 

@@ -11,7 +11,7 @@ _BEGIN, _END = "<!-- learn-check: begin -->\n", "<!-- learn-check: end -->\n"
 
 
 def learning_page() -> str:
-    """The page as it is, with the present results between its two marks."""
+    """The page as it is, with the present results between its two comments."""
     text = PAGE.read_text(encoding="utf-8")
     before, _, rest = text.partition(_BEGIN)
     return f"{before}{_BEGIN}\n{_section()}\n{_END}{rest.partition(_END)[2]}"

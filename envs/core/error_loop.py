@@ -1,4 +1,4 @@
-"""Episode loops whose observations are errors and states of order 1."""
+"""An episode loop whose observations are errors and states of order 1."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,16 +7,12 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.base.error_observation import ErrorObservation
 from prp_gym.envs.core.loop import EpisodeLoop, LoopState
-from prp_gym.envs.core.mode_loop import ModeLoop
 from prp_gym.envs.core.step import Step
 from prp_gym.robot.arrays import Array
 
 
 class ErrorLoop(EpisodeLoop):
-    """N environments whose observations are those of `ErrorObservation`.
-
-    An inner controller of an action mode reads the fields of the task as ever.
-    """
+    """N environments whose observations are those of `ErrorObservation`."""
 
     def _lay_out(self) -> None:
         """See `EpisodeLoop`."""
@@ -41,7 +37,3 @@ class ErrorLoop(EpisodeLoop):
     def set_state(self, state: LoopState) -> Array:
         """See `EpisodeLoop.set_state`."""
         return self._errors(super().set_state(state))
-
-
-class ErrorModeLoop(ErrorLoop, ModeLoop):
-    """The same in an action mode."""

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from prp_gym.envs.action_mode import TORQUE, ModeSetup, make_action_mode
 from prp_gym.envs.config import ERRORS, FIELDS, EnvConfig
-from prp_gym.envs.core.error_loop import ErrorLoop, ErrorModeLoop
+from prp_gym.envs.core.error_loop import ErrorLoop
+from prp_gym.envs.core.error_mode_loop import ErrorModeLoop
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.mode_loop import ModeLoop
 from prp_gym.tasks.task import Task

@@ -31,6 +31,7 @@ TRAIN = (
     *("train", ENVIRONMENT, "--seeds", "2", "--jobs", "1", "--eval-every", "128", "--eval-episodes", "1"),
     *("--set", "n_timesteps=512", "--set", "n_envs=4", "--set", "n_steps=32", "--set", "batch_size=64"),
     *("--set", "env_kwargs.control_frequency=50", "--set", "env_kwargs.duration=1", "--no-tensorboard"),
+    *("--action-mode", "torque"),
 )
 TUNE = ("tune", CONTROLLER, "--env", ENVIRONMENT, "--budget", "20000", "--episodes", "1")
 COMPARE = ("compare", *EVALUATE[1:])

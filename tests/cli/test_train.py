@@ -11,11 +11,13 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.agents.training.recipes import SEEDS
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.train import train
 from prp_gym.cli.main import app
 from prp_gym.errors import RunFolderError
+from prp_gym.tasks.presets import learning_id
 from tests.cli.test_main import plain, refusal
 from tests.support.training_runs import ID, TINY, assert_same_weights, tiny_job
 
@@ -25,7 +27,8 @@ GROUP = Path(ID) / "ppo_torque"
 
 def options(*more: str, algorithm: str = "ppo") -> list[str]:
     sets = [item for text in TINY[algorithm] for item in ("--set", text)]
-    common = ["--algo", algorithm, "--eval-every", "128", "--eval-episodes", "4", "--no-tensorboard"]
+    common = ["--algo", algorithm, "--action-mode", "torque", "--eval-every", "128", "--eval-episodes", "4"]
+    common.append("--no-tensorboard")
     return ["train", ID, *common, *sets, *more]
 
 
@@ -180,3 +183,13 @@ def test_evaluations_are_a_tenth_of_training_apart_unless_said(
     RUNNER.invoke(app, ["train", ID, "--output", str(tmp_path), "--set", "n_timesteps=5000"])
     assert (jobs[0].eval_every, jobs[0].checkpoint_every, jobs[0].eval_episodes) == (500, 500, 20)
     assert jobs[0].folder == tmp_path / GROUP / "seed_0"
+
+
+def test_agent_of_a_learning_preset_keeps_its_id(tmp_path: Path) -> None:
+    preset = learning_id(ID)
+    given = [preset if part == ID else part for part in options("--output", str(tmp_path), "--jobs", "1")]
+    result = RUNNER.invoke(app, given)
+    assert result.exit_code == 0, result.output
+    card = load_agent(tmp_path / preset / "ppo_torque" / "seed_0" / "agent").card
+    assert (card.environment_id, card.task_id, card.control_frequency) == (preset, ID, 50.0)
+    assert card.interface.features == tuple(part.name for part in card.interface.observation)

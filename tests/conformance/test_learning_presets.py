@@ -11,6 +11,7 @@ import gymnasium
 import numpy as np
 import pytest
 import torch
+from gymnasium.spaces import Box
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from stable_baselines3 import PPO
@@ -110,11 +111,12 @@ def test_action_mode_reads_the_fields_of_the_task() -> None:
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_vector_environment_gives_the_bits_of_single_ones(task_id: str, mode: str) -> None:
-    keywords = {"scenario": "realistic", **SHORT}
-    together = gymnasium.make_vec(
+    keywords: dict[str, Any] = {"scenario": "realistic", **SHORT}
+    made = gymnasium.make_vec(
         learning_id(task_id), num_envs=3, autoreset_mode=AutoresetMode(mode), **keywords
     )
-    assert isinstance(together.unwrapped, PRPVectorEnv)
+    together = made.unwrapped
+    assert isinstance(together, PRPVectorEnv)
     singles = [preset(task_id, **keywords) for _ in range(3)]
     observations, _ = together.reset(seed=[4, 5, 6])
     first = [env.reset(seed=seed)[0] for env, seed in zip(singles, (4, 5, 6), strict=True)]
@@ -141,8 +143,10 @@ def test_observation_is_of_order_one_and_within_its_bounds(task_id: str) -> None
     for _ in range(env.config.horizon):
         rows.append(env.step(env.action_space.sample())[0])
         assert env.observation_space.contains(rows[-1])
-    assert np.abs(env.observation_space.high).max() == 10.0
-    np.testing.assert_array_equal(env.observation_space.low, -env.observation_space.high)
+    space = env.observation_space
+    assert isinstance(space, Box)
+    assert space.high.max() == 10.0
+    np.testing.assert_array_equal(space.low, -space.high)
     assert 0.1 < np.sqrt(np.mean(np.square(rows))) < 5.0
 
 
@@ -184,11 +188,11 @@ def test_errors_of_a_pose_reference_are_those_of_its_joint_trajectory() -> None:
     found = errors_of(env, observation)
     time = np.array([[20 / 50.0]])
     desired = env.task.parts.reference.trajectory.sample(time)[0, 0]
-    truth = env.task.ground_truth_layout.split(env.ground_truth)
-    q, velocity = truth["joint_position"], truth["joint_velocity"]
+    actual = env.task.ground_truth_layout.split(env.ground_truth)
+    q, velocity = actual["joint_position"], actual["joint_velocity"]
     scale = {part.name: np.array(part.scale) for part in read_parts()["arm"]}
     # a pose and its two derivatives, inverted: some dozens of roundings of numbers of order 10
-    near = {"rtol": 0, "atol": 1e-9}
+    near: Any = {"rtol": 0, "atol": 1e-9}
     np.testing.assert_allclose(found["joint_error"] * scale["joint_error"], desired[:3] - q, **near)
     saturating = found["small_joint_error"]
     z = saturating / (1 - np.abs(saturating))
@@ -256,7 +260,7 @@ def test_unknown_kind_of_observation_is_refused() -> None:
 
 
 class Still:
-    """A policy without torque."""
+    """A policy of zero actions."""
 
     batched: ClassVar[bool] = True
 

@@ -52,7 +52,23 @@ def test_there_is_a_recipe_for_every_algorithm_and_environment(algorithm: str, e
     assert recipe.algorithm == algorithm
     assert recipe.environment_id == environment_id
     assert set(recipe.env_kwargs) == {"action_mode", "control_frequency", "scenario"}
+    assert recipe.env_kwargs["scenario"] == "realistic"
     assert recipe.normalize == {"obs": True, "reward": True}
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_learning_preset_has_the_default_recipe_at_its_own_frequency(algorithm: str) -> None:
+    recipe, default = (load_recipe(algorithm, name) for name in ("PRP-Force-RL-v0", "PRP-Force-v0"))
+    changed = {"control_frequency": 50.0, "observation": "errors"}
+    assert recipe.env_kwargs == {**default.env_kwargs, **changed}
+    assert recipe.settings == default.settings
+
+
+def test_own_entry_of_a_learning_preset_has_the_last_word(tmp_path: Path) -> None:
+    path = tmp_path / "own.yml"
+    path.write_text(f"{LAYERS}PRP-Force-RL-v0:\n  env_kwargs: {{control_frequency: 25}}\n")
+    keywords = load_recipe("ppo", "PRP-Force-RL-v0", config=path).env_kwargs
+    assert keywords == {"action_mode": "torque", "control_frequency": 25, "observation": "errors"}
 
 
 def test_default_holds_where_nothing_else_is_said(layers: Path) -> None:

@@ -13,7 +13,7 @@ from prp_gym.action_modes import list_action_modes
 from prp_gym.agents.policy.agent_file import CARD, TENSORS, TRAINED, list_seeds
 from prp_gym.agents.policy.environments import environment_revision
 from prp_gym.agents.training.recipes import Recipe
-from prp_gym.agents.training.shipped import ShippedGroup, read_groups
+from prp_gym.agents.training.shipped import ShippedGroup, default_action_mode, read_groups
 from prp_gym.artifacts import to_plain
 from prp_gym.cli.ship import SCENARIOS
 from prp_gym.errors import PRPError
@@ -51,6 +51,18 @@ def test_group_has_a_mode_of_its_environment_and_a_recipe(group: ShippedGroup) -
     recipe = group.recipe()
     assert (recipe.environment_id, recipe.algorithm) == (group.environment, group.algorithm)
     assert recipe.action_mode == group.action_mode
+
+
+@pytest.mark.parametrize("environment_id", released_tasks())
+def test_training_takes_the_mode_of_the_first_shipped_group_by_default(environment_id: str) -> None:
+    modes = [group.action_mode for group in GROUPS if group.environment == environment_id]
+    assert default_action_mode(environment_id) == modes[0] != "torque"
+
+
+def test_recipe_names_the_mode_where_no_agents_are_shipped(tmp_path: Path) -> None:
+    assert default_action_mode("PRP-Force-RL-v0") is None
+    assert default_action_mode("Own-v0") is None
+    assert default_action_mode("PRP-Force-v0", tmp_path / "own.yml") is None
 
 
 def manifest(folder: Path, text: str) -> Path:
