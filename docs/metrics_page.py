@@ -1,7 +1,7 @@
 """The page on metrics, and on the errors against which rewards are checked."""
 
 from docs.tables import NOTE, table
-from prp_gym.comparison.audit import LEAST_CORRELATION
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES
 from prp_gym.evaluation.failure import MOST_FORCE
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import METRICS
@@ -44,7 +44,7 @@ def metrics_page() -> str:
     for heading in dict.fromkeys(metric.group for metric in METRICS.values()):
         metrics = (metric for metric in METRICS.values() if metric.group == heading)
         parts += [f"## {heading}\n", table(_METRIC_HEADERS, map(_metric, metrics))]
-    parts += ["## Physical errors\n", _physical_errors()]
+    parts += ["## Criteria of the audit\n", _criteria()]
     return "\n".join(parts)
 
 
@@ -64,29 +64,23 @@ def _settling() -> str:
     return text + table(("environment", "settled"), rows)
 
 
-def _physical_errors() -> str:
-    """Against which errors `prp-gym compare` checks the rewards, and why these."""
-    rows = []
-    for environment_id in list_envs():
-        error = scoring_of(environment_id).error
-        if error is not None:
-            units = "; ".join(", ".join(f"{value:g}" for value in scale) for scale in error.parts.values())
-            rows.append((f"`{environment_id}`", error.name, units, error.reason))
+def _criteria() -> str:
+    """By which criteria `prp-gym audit` judges the score."""
+    rows = [
+        (f"`{environment_id}`", f"`{criterion.metric}`", f"{criterion.worst:g}")
+        for environment_id in list_envs()
+        for criterion in scoring_of(environment_id).criteria
+    ]
     text = (
-        "`prp-gym compare` computes the rank correlation between the score and the smallness of a physical"
-        " error, over all policies of a task and scenario, with a 95 % bootstrap interval over the episodes,"
-        f" and flags it below {LEAST_CORRELATION:g}. `--audit` adds every controller with its other gain"
-        " sets, because a correlation over policies that hardly differ is left to chance. The error is the"
-        " sum of the metrics below, each divided by the value that counts as 1 (SI units). As for the score,"
-        " its interquartile mean over the episodes is taken; after a divergence it is infinite. A task that"
-        " declares no error is left out.\n\n"
-        "Every error is a mean over time of absolute errors: it counts how large an error is as well as how"
-        " long it lasts, and has neither the scales nor the kernel of the reward. A root mean square would be"
-        " dominated by one impact, or by the initial distance to the goal, which is the same for all"
-        " policies; a median would leave out whatever takes less than half of the time, as contact may; an"
-        " error after the transient would leave out the transient.\n\n"
+        "`prp-gym audit` computes Spearman's rank correlation between the mean score and the smallness of each"
+        f" criterion below, over at least {LEAST_POLICIES} good and bad policies of a task, with a 95 %"
+        " bootstrap interval over the episodes. It has to exceed"
+        f" {LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a"
+        " criterion. An episode that does not settle counts as the largest value that a criterion has, as"
+        " does every value beyond it: nothing is gained by not doing what the task asks. No criterion is one"
+        " of the reward's own signals. Energies are reported.\n\n"
     )
-    return text + table(("environment", "error", "value that counts as 1", "reason"), rows)
+    return text + table(("environment", "criterion", "largest value"), rows)
 
 
 def _metric(metric: Metric) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ class HoldFloor(Baseline[HoldSettings]):
     Source: [S] 8.5.2.
     """
 
-    measured_fields = ("joint_position", "joint_velocity")
+    measured_fields: ClassVar[tuple[str, ...]] = ("joint_position", "joint_velocity")
     settings_class = HoldSettings
 
     @classmethod

@@ -10,7 +10,6 @@ from rich.table import Table
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.table import (
     aggregate_table,
-    audit_table,
     condition_table,
     effort_table,
     fold,
@@ -98,22 +97,6 @@ def test_effort_that_never_arrived_and_large_numbers_are_readable(outcome: Outco
 def test_aggregate_is_shown_beside_the_best_controller_on_the_same_tasks(outcome: Outcome) -> None:
     line = cells(aggregate_table(outcome.aggregates), "best agent")
     assert (line[-4:-2], line[-1]) == (["1", "0.500"], "0.750")
-
-
-def test_audit_is_flagged_below_the_least_correlation() -> None:
-    good = [record(name, [score]) for name, score in (("a", 0.9), ("b", 0.8), ("c", 0.2))]
-    row = cells(audit_table(Outcome.of(good, 0).audits), "joint_mean_error")
-    assert row[-4:] == ["3", "1.00", "1.00", "1.00"]  # of one episode the interval is the point
-    good[0]["episodes"]["joint_mean_error"] = [[9.0, 9.0, 9.0]]
-    row = cells(audit_table(Outcome.of(good, 0).audits), "joint_mean_error")
-    assert row[-5:] == ["3", "-0.50", "-0.50", "-0.50", "!"]
-
-
-def test_controllers_with_other_gains_are_in_the_audit_alone() -> None:
-    records = [record("a", [0.5]), record("a (report)", [0.4], "varied"), record("b", [0.3])]
-    outcome = Outcome.of(records, 0)
-    assert "(report)" not in printed(condition_table(outcome.conditions[0], 0))
-    assert cells(audit_table(outcome.audits), "joint_mean_error")[-4] == "3"
 
 
 def test_long_name_is_broken_where_it_may() -> None:

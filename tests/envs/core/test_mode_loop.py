@@ -39,14 +39,18 @@ def test_action_held_is_the_same_action_given_in_every_inner_period(environment_
         made(environment_id, mode, scenario="realistic", control_frequency=rate) for rate in (RATE, 500)
     )
     assert_same(held.reset(seed=3), given.reset(seed=3), "reset")
-    summed = {field.name for field in held.info_fields if field.summed}
+    shares = {"last": 0.0, "sum": 1.0, "mean": 1.0 / PERIODS}
+    share = {field.name: shares[field.over_periods] for field in held.info_fields}
     for count, action in enumerate(random_actions(held, 15, share=1.3)):
         outcome, steps = held.step(action), run(given, [action] * PERIODS)
         assert_same(outcome[0], steps[-1][0], f"observation {count}")
-        reward, info = steps[0][1], dict(steps[0][4])
-        for step in steps[1:]:
-            reward += step[1]
-            info = {name: info[name] * (name in summed) + value for name, value in step[4].items()}
+        reward, info = 0.0, dict.fromkeys(share, 0.0)
+        for step in steps:
+            reward += step[1] * shares["mean"]
+            info = {
+                name: info[name] + value * share[name] if share[name] else value
+                for name, value in step[4].items()
+            }
         assert outcome[1:] == (reward, *steps[-1][2:4], info)
         for name in SHOWN:
             assert_same(getattr(held, name), getattr(given, name), name)
@@ -54,11 +58,10 @@ def test_action_held_is_the_same_action_given_in_every_inner_period(environment_
 
 def test_costs_are_counted_in_every_period_and_forces_are_the_last() -> None:
     env = made("PRP-ForcePosition-v0", "force_position")
-    summed = {field.name: field.summed for field in env.info_fields}
-    costs = {name: value for name, value in summed.items() if name.startswith(("reward_", "cost_"))}
-    assert all(costs.values())
-    assert not summed["time"]
-    assert not summed["contact_force"]
+    rules = {field.name: field.over_periods for field in env.info_fields}
+    assert {rules[name] for name in rules if name.startswith("reward_")} == {"mean"}
+    assert {rules[name] for name in rules if name.startswith("cost_")} == {"sum"}
+    assert rules["time"] == rules["contact_force"] == "last"
 
 
 def test_step_of_a_saturated_controller_counts_every_period() -> None:

@@ -243,7 +243,7 @@ class ForceReward:
 
     def __call__(self, env: PRPEnv, parts: dict[str, Array]) -> float:
         inward = parts["desired_force"] / np.linalg.norm(parts["desired_force"])
-        ratio = parts["contact_force"] @ inward / np.linalg.norm(parts["desired_force"])
+        ratio = float(parts["contact_force"] @ inward / np.linalg.norm(parts["desired_force"]))
         touching = bool(np.linalg.norm(parts["contact_force"]) > 1e-6)
         lost = self.established and not touching
         decayed = self.disturbance * math.exp(-1.0 / (5.0 * env.control_frequency))
@@ -258,7 +258,7 @@ class ForceReward:
             (0.15, float(np.linalg.norm(deviation[3:5] / 0.1))),
             (0.05, float(np.linalg.norm(env.commanded_torque / [50.0, 100.0, 10.0]))),
         )
-        return sum(weight / (1.0 + abs(error)) for weight, error in errors)
+        return math.fsum(weight / (1.0 + abs(error)) for weight, error in errors)
 
 
 def test_reward_is_computed_from_the_true_force_and_not_from_its_reading() -> None:

@@ -31,6 +31,6 @@ register_task(
         summary="follow a sine in every joint",
         entry=TaskEntry(compose),
         numbers=Path(__file__).with_suffix(".toml"),
-        scoring=TaskScoring(("joint_rmse", "peak_power"), JOINT_SCORING.error),
+        scoring=TaskScoring(("joint_rmse", "peak_power"), JOINT_SCORING.criteria),
     )
 )
