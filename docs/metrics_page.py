@@ -72,9 +72,10 @@ def _criteria() -> str:
         for criterion in scoring_of(environment_id).criteria
     ]
     text = (
-        "`prp-gym audit` computes Spearman's rank correlation between the mean score and the smallness of each"
-        f" criterion below, over at least {LEAST_POLICIES} good and bad policies of a task, with a 95 %"
-        " bootstrap interval over the episodes. It has to exceed"
+        "`prp-gym audit` computes Goodman and Kruskal's γ between the mean score and the smallness of each"
+        " criterion below: the rank correlation over the pairs of policies that the criterion distinguishes,"
+        f" of at least {LEAST_POLICIES} good and bad ones, with a 95 % bootstrap interval over the episodes."
+        " It has to exceed"
         f" {LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a"
         " criterion. An episode that does not settle counts as the largest value that a criterion has, as"
         " does every value beyond it: nothing is gained by not doing what the task asks. No criterion is one"

@@ -1,4 +1,4 @@
-"""Whether the reward ranks policies as control engineers would, by criteria that are not its own signals."""
+"""Whether the reward ranks policies as control engineers would, by criteria that are not its own."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.comparison.rank import rank_correlation, resampled_correlations
+from prp_gym.comparison.rank import concordance, rank_correlation, resampled_concordances
 from prp_gym.comparison.values import Condition, Entry
 from prp_gym.evaluation.resampling import cut_tails
 from prp_gym.evaluation.scoring import scoring_of
@@ -37,8 +37,10 @@ class Finding:
 
     Attributes:
         metric: metric of the criterion.
-        correlation: Spearman's rank correlation between the score and the smallness of the metric; 1 if both
-            rank the policies alike. Its 95 % interval is over the episodes, for these policies.
+        correlation: Goodman and Kruskal's γ between the score and the smallness of the metric: 1 if both rank
+            every pair of policies alike that the criterion distinguishes. Its 95 % interval is over the
+            episodes, for these policies.
+        spearman: Spearman's rank correlation, which stays below 1 where many policies are equally bad.
         values: mean of the metric for each policy, over episodes.
         offenders: policies in the best tenth by score that are in the worse half by the criterion.
         required: whether the correlation must be high; else it is shown for information.
@@ -46,6 +48,7 @@ class Finding:
 
     metric: str
     correlation: Estimate
+    spearman: float
     values: tuple[float, ...]
     offenders: tuple[str, ...]
     required: bool
@@ -156,9 +159,16 @@ def _finding(
         means = np.nanmean(values, axis=1)
         resampled = np.nanmean(values[:, drawn], axis=2).T
     every = scores.mean(axis=1)
-    found = resampled_correlations(scores[:, drawn].mean(axis=2).T, -resampled)
+    found = resampled_concordances(scores[:, drawn].mean(axis=2).T, -resampled)
     low, high = cut_tails(found, _CONFIDENCE) if len(found) else (np.nan, np.nan)
-    value = Estimate(rank_correlation(every, -means), float(low), float(high))
+    value = Estimate(concordance(every, -means), float(low), float(high))
     best = np.argsort(-every, kind="stable")[: max(1, round(_BEST * len(every)))]
     offenders = tuple(names[index] for index in best if means[index] > np.median(means))
-    return Finding(metric, value, tuple(means.tolist()), offenders if required else (), required)
+    return Finding(
+        metric,
+        value,
+        rank_correlation(every, -means),
+        tuple(means.tolist()),
+        offenders if required else (),
+        required,
+    )

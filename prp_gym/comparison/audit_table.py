@@ -15,7 +15,14 @@ _ABSENT = "-"
 def audit_table(audits: Iterable[Audit]) -> Table:
     """The correlation of the score with every criterion."""
     table = _make("score against the criteria of the tasks", ("environment", "scenario", "criterion"))
-    for header in ("policies", "rank\ncorrelation", "95 %\ninterval", "bad among\nthe best", "holds"):
+    for header in (
+        "policies",
+        "rank corre-\nlation γ",
+        "95 %\ninterval",
+        "Spear-\nman",
+        "bad among\nthe best",
+        "holds",
+    ):
         table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
     for item in audits:
         for finding in item.findings:
@@ -25,6 +32,7 @@ def audit_table(audits: Iterable[Audit]) -> Table:
                 finding.metric,
                 str(len(item.policies)),
                 *_correlation(finding),
+                _ABSENT if math.isnan(finding.spearman) else f"{finding.spearman:.2f}",
                 str(len(finding.offenders)) if finding.required else _ABSENT,
                 ("yes" if finding.holds else "NO") if finding.required else "reported",
             )

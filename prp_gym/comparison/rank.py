@@ -1,4 +1,4 @@
-"""Rank correlation, of values and of resampled ones."""
+"""Rank correlations, of values and of resampled ones."""
 
 import numpy as np
 
@@ -33,16 +33,42 @@ def rank_correlation(x: Array, y: Array) -> float:
     return float(first @ second / norm) if norm > 0.0 else float("nan")
 
 
-def resampled_correlations(x: Array, y: Array) -> Array:
-    """Rank correlation of every resample.
+def concordance(x: Array, y: Array) -> float:
+    """Goodman and Kruskal's γ, the rank correlation over the pairs that both x and y distinguish.
+
+    γ = (C - D)/(C + D) with C pairs that x and y rank alike and D that they rank oppositely. Unlike
+    Spearman's correlation it can reach 1 where many values are equal.
+
+    Args:
+        x: (n), infinite values allowed.
+        y: (n), likewise.
+
+    Returns:
+        γ in [-1, 1]; NaN where no pair is distinguished.
+
+    Raises:
+        ShapeError: not as many values of y as of x.
+
+    Source: Goodman and Kruskal 1954.
+    """
+    if np.shape(x) != np.shape(y):
+        raise ShapeError("y", np.shape(y), f"{np.shape(x)}, as x")
+    first, second = (average_ranks(values) for values in (x, y))
+    agreement = np.sign(first[:, None] - first) * np.sign(second[:, None] - second)
+    distinguished = np.count_nonzero(agreement)
+    return float(agreement.sum() / distinguished) if distinguished else float("nan")
+
+
+def resampled_concordances(x: Array, y: Array) -> Array:
+    """γ of every resample.
 
     Args:
         x: (resamples, n), infinite values allowed.
         y: (resamples, n), likewise.
 
     Returns:
-        (resamples), without those in which all of x or all of y are equal.
+        (resamples), without those in which no pair is distinguished.
     """
-    found = np.array([rank_correlation(first, second) for first, second in zip(x, y, strict=True)])
+    found = np.array([concordance(first, second) for first, second in zip(x, y, strict=True)])
     defined: Array = found[~np.isnan(found)]
     return defined

@@ -14,7 +14,7 @@ from prp_gym.comparison.audit import (
     audit_rewards,
     criterion_values,
 )
-from prp_gym.comparison.rank import average_ranks, rank_correlation, resampled_correlations
+from prp_gym.comparison.rank import average_ranks, concordance, rank_correlation, resampled_concordances
 from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import ShapeError
 from prp_gym.tasks.spec import Criterion
@@ -58,10 +58,19 @@ def test_rank_correlation_of_different_lengths_is_refused() -> None:
         rank_correlation(np.ones(4), np.ones(3))
 
 
+def test_concordance_is_that_of_the_pairs_that_both_distinguish() -> None:
+    # of six pairs x leaves one undecided and y another one; three agree, one does not
+    found = concordance(np.array([1.0, 2.0, 2.0, 4.0]), np.array([0.0, 3.0, 0.0, 1.0]))
+    assert found == pytest.approx((3 - 1) / (3 + 1))
+    assert np.isnan(concordance(np.ones(3), np.arange(3.0)))
+    with pytest.raises(ShapeError, match="y has shape"):
+        concordance(np.ones(4), np.ones(3))
+
+
 def test_resample_without_a_correlation_is_left_out() -> None:
     x = np.array([[1.0, 2.0, 3.0], [5.0, 5.0, 5.0], [1.0, 2.0, 3.0]])
     y = np.array([[1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [3.0, 2.0, 1.0]])
-    np.testing.assert_allclose(resampled_correlations(x, y), [1.0, -1.0], atol=ROUNDING)
+    np.testing.assert_allclose(resampled_concordances(x, y), [1.0, -1.0], atol=ROUNDING)
 
 
 def policy(
