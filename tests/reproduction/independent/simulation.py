@@ -1,0 +1,115 @@
+"""The arm and the link, simulated in steps of 1 ms with the torque held in each."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from tests.reproduction.independent.arm import Array, ReportArm
+from tests.reproduction.independent.laws import PERIOD, Law, Observed
+from tests.reproduction.independent.references import Path
+
+Signals = Mapping[str, Array]
+"""Signals over time (T + 1, size) by the names that the files of the experiments use."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """A plane normal·p = offset that pushes the tip towards its free side, normal·p > offset.
+
+    Attributes:
+        stiffness: K [N/m].
+        normal: unit normal (3).
+        offset: offset along the normal [m].
+        damping: D [N s/m].
+    """
+
+    stiffness: float
+    normal: Array
+    offset: float
+    damping: float = 0.0
+
+    def force(self, position: Array, velocity: Array) -> Array:
+        """The force of the tip on the wall (3) [N]."""
+        depth, rate = self.offset - self.normal @ position, -(self.normal @ velocity)
+        size = max(self.stiffness * depth + self.damping * rate, 0.0) if depth > 0.0 else 0.0
+        return -size * self.normal
+
+
+def simulate_arm(
+    law: Law,
+    reference: Path,
+    duration: float,
+    wall: Wall | None = None,
+    start: tuple[float, ...] = (0.0, 0.0, 0.0),
+) -> Signals:
+    """An episode of the arm from rest.
+
+    Args:
+        law: control law.
+        reference: motion that the law is to follow, of the joints (3) or of the pose (6).
+        duration: duration [s].
+        wall: wall that the tip may touch.
+        start: initial joint position (3) [rad, m, rad].
+    """
+    arm = ReportArm()
+    q, v = np.array(start), np.zeros(3)
+    names = ("joint_position", "end_effector_pose", "contact_force", "torque", "desired")
+    rows: dict[str, list[Array]] = {name: [] for name in names}
+    for step in range(round(duration / PERIOD) + 1):
+        tip = arm.tip(q, v)
+        force = np.zeros(3) if wall is None else wall.force(tip.pose[:3], tip.jacobian[:3] @ v)
+        torque = law(Observed(step * PERIOD, q.copy(), v.copy(), force))
+        for name, value in zip(names, (q.copy(), tip.pose, force, torque), strict=False):
+            rows[name].append(value)
+        rows["desired"].append(reference(step * PERIOD)[0])
+        load = torque - arm.bias(q, v) - tip.jacobian[:3].T @ force
+        v = v + PERIOD * np.linalg.solve(arm.inertia(q), load)
+        q = q + PERIOD * v
+    signals = {name: np.array(values) for name, values in rows.items()}
+    desired = signals.pop("desired")
+    if desired.shape[1] == len(start):
+        return {**signals, "joint_error": desired - signals["joint_position"]}
+    return {**signals, "pose_error": desired - signals["end_effector_pose"]}
+
+
+@dataclass(frozen=True)
+class Adaptation:
+    """Numbers of adaptive control of the link.
+
+    Attributes:
+        slope: Λ [1/s].
+        damping: K_D [N m s/rad].
+        rates: adaptation gains of inertia, friction and gravity moment (3).
+        estimate: initial estimates (3).
+    """
+
+    slope: float
+    damping: float
+    rates: tuple[float, ...]
+    estimate: tuple[float, ...]
+
+
+def simulate_link(numbers: Adaptation, plant: tuple[float, ...], reference: Path, duration: float) -> Signals:
+    """An episode of the link (I, F, G) under adaptive control; viscous friction is integrated implicitly."""
+    inertia, friction, weight = plant
+    estimate, q, v = np.array(numbers.estimate), 0.0, 0.0
+    rows: dict[str, list[list[float]]] = {"joint_position": [], "joint_error": [], "torque": []}
+    estimates = [[math.nan] * 3]
+    for step in range(round(duration / PERIOD) + 1):
+        desired, rate, acceleration = (float(part[0]) for part in reference(step * PERIOD))
+        reference_rate = rate + numbers.slope * (desired - q)
+        columns = np.array(
+            [acceleration + numbers.slope * (rate - v), reference_rate, math.sin(q)]
+        )
+        sliding = reference_rate - v
+        torque = float(columns @ estimate) + numbers.damping * sliding
+        estimate = estimate + PERIOD * np.array(numbers.rates) * columns * sliding
+        for name, value in (("joint_position", q), ("joint_error", desired - q), ("torque", torque)):
+            rows[name].append([value])
+        estimates.append(estimate.tolist())
+        load = torque - friction * v - weight * math.sin(q)
+        v += PERIOD * load / (inertia + PERIOD * friction)
+        q += PERIOD * v
+    return {**{n: np.array(r) for n, r in rows.items()}, "parameter_estimate": np.array(estimates[:-1])}
