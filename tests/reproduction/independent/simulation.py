@@ -6,12 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.reproduction.independent.arm import Array, ReportArm
+from tests.reproduction.independent.arm import Array, ReportArm, TipMotion
 from tests.reproduction.independent.laws import PERIOD, Law, Observed
 from tests.reproduction.independent.references import Path
 
 Signals = Mapping[str, Array]
 """Signals over time (T + 1, size) by the names that the files of the experiments use."""
+
+
+WALL_MASS = 1.29e-4
+"""Mass of the surface of a wall, which the simulator's soft contact needs [kg]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,11 +34,23 @@ class Wall:
     offset: float
     damping: float = 0.0
 
-    def force(self, position: Array, velocity: Array) -> Array:
-        """The force of the tip on the wall (3) [N]."""
-        depth, rate = self.offset - self.normal @ position, -(self.normal @ velocity)
-        size = max(self.stiffness * depth + self.damping * rate, 0.0) if depth > 0.0 else 0.0
-        return -size * self.normal
+    def force(self, tip: TipMotion, velocity: Array, inertia: Array, load: Array) -> Array:
+        """The force of the tip on the wall (3) [N]: that of spring, damper and mass, and only a push.
+
+        Args:
+            tip: end effector.
+            velocity: joint velocity (3).
+            inertia: inertia matrix (3, 3).
+            load: joint torques that accelerate the free arm (3).
+        """
+        into = -self.normal @ tip.jacobian[:3]
+        depth = self.offset - float(self.normal @ tip.pose[:3])
+        if depth <= 0.0:
+            return np.zeros(3)
+        answer = np.linalg.solve(inertia, into)
+        pushed = self.stiffness * depth + self.damping * float(into @ velocity)
+        pushed += WALL_MASS * float(answer @ load)
+        return -max(pushed / (1.0 + WALL_MASS * float(answer @ into)), 0.0) * self.normal
 
 
 def simulate_arm(
@@ -54,24 +70,27 @@ def simulate_arm(
         start: initial joint position (3) [rad, m, rad].
     """
     arm = ReportArm()
-    q, v = np.array(start), np.zeros(3)
+    q, v, torque = np.array(start), np.zeros(3), np.zeros(3)
     names = ("joint_position", "end_effector_pose", "contact_force", "torque", "desired")
     rows: dict[str, list[Array]] = {name: [] for name in names}
     for step in range(round(duration / PERIOD) + 1):
-        tip = arm.tip(q, v)
-        force = np.zeros(3) if wall is None else wall.force(tip.pose[:3], tip.jacobian[:3] @ v)
-        torque = law(Observed(step * PERIOD, q.copy(), v.copy(), force))
-        for name, value in zip(names, (q.copy(), tip.pose, force, torque), strict=False):
+        tip, inertia, bias = arm.tip(q, v), arm.inertia(q), arm.bias(q, v)
+        # what is measured belongs to the torque of the period before
+        measured = np.zeros(3) if wall is None else wall.force(tip, v, inertia, torque - bias)
+        torque = law(Observed(step * PERIOD, q, v, measured))
+        desired = reference(step * PERIOD)[0]
+        for name, value in zip(names, (q, tip.pose, measured, torque, desired), strict=True):
             rows[name].append(value)
-        rows["desired"].append(reference(step * PERIOD)[0])
-        load = torque - arm.bias(q, v) - tip.jacobian[:3].T @ force
-        v = v + PERIOD * np.linalg.solve(arm.inertia(q), load)
+        load = torque - bias
+        if wall is not None:
+            load = load - tip.jacobian[:3].T @ wall.force(tip, v, inertia, load)
+        v = v + PERIOD * np.linalg.solve(inertia, load)
         q = q + PERIOD * v
     signals = {name: np.array(values) for name, values in rows.items()}
-    desired = signals.pop("desired")
-    if desired.shape[1] == len(start):
-        return {**signals, "joint_error": desired - signals["joint_position"]}
-    return {**signals, "pose_error": desired - signals["end_effector_pose"]}
+    path = signals.pop("desired")
+    if path.shape[1] == len(start):
+        return {**signals, "joint_error": path - signals["joint_position"]}
+    return {**signals, "pose_error": path - signals["end_effector_pose"]}
 
 
 @dataclass(frozen=True)
