@@ -63,6 +63,12 @@ def _wall(stiffness: float, place: float, damping: float = 0.0) -> Wall:
     return Wall(stiffness, np.array([0.0, -1.0, 0.0]), -place, damping)
 
 
+def _side_wall(stiffness: float, place: float = 0.0, damping: float = 0.0) -> Wall:
+    """A wall at x = -place; by default through the tip's position at (-π/2, -0.2, -π/6)."""
+    touch = ARM.tip(np.array([-math.pi / 2, -0.2, -math.pi / 6]), np.zeros(3)).pose
+    return Wall(stiffness, np.array([-1.0, 0.0, 0.0]), place or -float(touch[0]), damping)
+
+
 def _slanted_wall(stiffness: float, slide: float) -> Wall:
     """A wall of slanted normal through the tip's position at a position of the slide."""
     place = ARM.tip(np.array([0.0, slide, 0.0]), np.zeros(3)).pose[:3]
@@ -96,6 +102,7 @@ def _admittance(wall: Wall, held: bool, duration: float) -> Signals:
 
 
 INNER = _six(0.5, 0.5, 0.5, 1.0, 1.0, 1.0), _six(100.0), _six(50.0)
+PARALLEL_INNER = _six(1.0), _six(60.0), _six(40.0)
 STIFF_INNER = _six(1.0), _six(160.0), _six(6400.0)
 
 
@@ -115,21 +122,24 @@ def _press(
     return simulate_arm(law, constant(start), duration, wall)
 
 
-def _parallel(stiffness: float, at_home: bool, duration: float = 15.0) -> Signals:
+def _parallel(
+    wall: Wall,
+    at_home: bool,
+    duration: float,
+    pursuit: Pursuit | EstimatedPursuit,
+    inner: tuple[Array, Array, Array] = PARALLEL_INNER,
+) -> Signals:
     desired = ARM.tip(np.array([-math.pi / 2, -0.1, -math.pi / 6]), np.zeros(3)).pose
-    touch = ARM.tip(np.array([-math.pi / 2, -0.2, -math.pi / 6]), np.zeros(3)).pose
-    wall = Wall(stiffness, np.array([-1.0, 0.0, 0.0]), -float(touch[0]))
-    inner = _six(1.0), _six(60.0), _six(40.0)
     force = np.array([0.5, 0.0, 0.0])
-    law = contact_laws.force_loop(ARM, constant(desired), force, Pursuit(15.0, 15.0), inner)
+    law = contact_laws.force_loop(ARM, constant(desired), force, pursuit, inner)
     start = HOME if at_home else (-math.pi / 2, -0.1, -math.pi / 6)
     return simulate_arm(law, constant(desired), duration, wall, start)
 
 
 _PD = np.array([50.0, 500.0, 50.0]), np.array([15.0, 150.0, 15.0])
 _PD_PRINTED = np.full(3, 50.0), np.full(3, 10.0)
-_SCRIPT = ((math.pi / 4, -0.2, math.pi / 3), *WAYPOINTS[1:])
-_ESTIMATED = partial(EstimatedPursuit, 10.0, 0.03, 0.4, 5000.0, 0.5)
+_AS_RUN = ((math.pi / 4, -0.2, math.pi / 3), *WAYPOINTS[1:])
+_estimated = partial(EstimatedPursuit, 10.0, 0.05, 0.3, 1000.0, 0.05)
 
 RUNS: Mapping[str, Callable[[], Signals]] = {
     "pd": partial(_pd, constant(GOAL), *_PD, 5.0),
@@ -152,7 +162,7 @@ RUNS: Mapping[str, Callable[[], Signals]] = {
     "operational_pd": partial(_operational_pd, 15.0),
     "operational_pd_printed": partial(_operational_pd, 10.0),
     "pose_quintic": lambda: _resolved(pose_quintic(ARM, TIMES, WAYPOINTS)),
-    "pose_quintic_script": lambda: _resolved(pose_quintic(ARM, TIMES, _SCRIPT)),
+    "pose_quintic_as_run": lambda: _resolved(pose_quintic(ARM, TIMES, _AS_RUN)),
     "pose_of_joint_quintic": lambda: _resolved(pose_path(ARM, STEP_PATH)),
     "compliance_soft": partial(_compliance, _wall(1.0, -0.44)),
     "compliance_equal": partial(_compliance, _wall(50.0, -0.44)),
@@ -173,14 +183,15 @@ RUNS: Mapping[str, Callable[[], Signals]] = {
     "admittance_equal_hold": partial(_admittance, _wall(50.0, -0.34), True, 8.0),
     "admittance_stiff": partial(_admittance, _wall(1000.0, -0.34), False, 5.0),
     "admittance_stiff_hold": partial(_admittance, _wall(1000.0, -0.34), True, 8.0),
-    "admittance_slanted": partial(_admittance, _slanted_wall(50.0, -0.2), True, 3.0),
+    "admittance_slanted": partial(_admittance, _slanted_wall(50.0, -0.2), True, 2.5),
     "force_integral": lambda: _press(Pursuit(10.0, 5.0), 1.0, _wall(5.0, -0.44), 15.0),
     "force_integral_base": lambda: _press(Pursuit(10.0, 5.0), 1.0, _wall(5.0, -0.44), 15.0, True),
     "force_proportional": lambda: _press(Pursuit(10.0, 0.0), 1.0, _wall(5.0, -0.44), 15.0),
     "force_proportional_base": lambda: _press(Pursuit(10.0, 0.0), 1.0, _wall(5.0, -0.44), 15.0, True),
-    "force_slanted": lambda: _press(Pursuit(10.0, 5.0), 1.0, _slanted_wall(5.0, -0.1), 2.0),
-    "force_estimated": lambda: _press(_ESTIMATED(), 1.0, _wall(200.0, -0.5), 3.0, inner=STIFF_INNER),
-    "parallel": partial(_parallel, 50.0, False),
-    "parallel_as_run": partial(_parallel, 1.0, True),
+    "force_slanted": lambda: _press(Pursuit(10.0, 5.0), 1.0, _slanted_wall(5.0, -0.1), 1.0),
+    "force_estimated": lambda: _press(_estimated(), 1.0, _wall(200.0, -0.5, 4.0), 2.0, inner=STIFF_INNER),
+    "parallel": lambda: _parallel(_side_wall(50.0), False, 15.0, Pursuit(15.0, 15.0)),
+    "parallel_as_run": lambda: _parallel(_side_wall(1.0), True, 15.0, Pursuit(15.0, 15.0)),
+    "parallel_estimated": lambda: _parallel(_side_wall(200.0, 0.4, 4.0), False, 1.0, _estimated(), STIFF_INNER),
 }
 """Every run with a check against numbers of this computation."""
