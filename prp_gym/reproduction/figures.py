@@ -170,7 +170,10 @@ def _draw_levels(axes: "Axes", item: Axis) -> list["Artist"]:
     """Draw the horizontal lines of one axes; predictions differ in their dashes."""
     rows = [(label, value, _LEVEL, "-") for label, value in item.levels]
     styles = itertools.cycle(_PREDICTED_STYLES)
-    rows += [(label, value, _PREDICTED, style) for (label, value), style in zip(item.predictions, styles, strict=False)]
+    rows += [
+        (label, value, _PREDICTED, style)
+        for (label, value), style in zip(item.predictions, styles, strict=False)
+    ]
     return [
         axes.axhline(
             value, color=color, linestyle=style, linewidth=1.0, label=f"{label}\n{value:.4g} {item.unit}"

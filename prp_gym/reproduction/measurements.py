@@ -46,9 +46,7 @@ def value_at(rollout: Rollout, signal: str, time: float, components: Components 
 
 
 @_measurement
-def values_at(
-    rollout: Rollout, signal: str, times: Sequence[float], components: Components = ()
-) -> Array:
+def values_at(rollout: Rollout, signal: str, times: Sequence[float], components: Components = ()) -> Array:
     """The signal at the observations nearest to several times [s], one time after the other."""
     return np.concatenate([value_at(rollout, signal, time, components) for time in times])
 

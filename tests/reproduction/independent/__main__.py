@@ -26,7 +26,9 @@ def main(arguments: list[str]) -> int:
         results = {row["name"]: measure(_signals(row["measure"]["run"]), row["measure"]) for row in checks}
         for row in checks:
             old = np.ravel(row["predict"]["value"])
-            if old.shape != results[row["name"]].shape or not np.allclose(old, results[row["name"]], 1e-7, 1e-11):
+            if old.shape != results[row["name"]].shape or not np.allclose(
+                old, results[row["name"]], 1e-7, 1e-11
+            ):
                 different += 1
                 print(f"{path.name}: {row['name']}: {old.tolist()}, now {results[row['name']].tolist()}")
         if write:

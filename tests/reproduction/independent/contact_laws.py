@@ -20,7 +20,8 @@ def compliance(reference: Path, arm: ReportArm, K_P: Array, K_D: Array) -> Law:
         axes = [pin.utils.rotate(axis, angle) for axis, angle in zip("zxz", desired[3:], strict=True)]
         turn[:3, :3] = (axes[0] @ axes[1] @ axes[2]).T
         J_d = turn @ tip.jacobian
-        return arm.gravity(now.q) + J_d.T @ (K_P * (turn @ (desired - tip.pose)) - K_D * (J_d @ now.v))
+        pull = K_P * (turn @ (desired - tip.pose)) - K_D * (J_d @ now.v)
+        return arm.gravity(now.q) + np.asarray(J_d.T @ pull)
 
     return law
 
@@ -33,7 +34,7 @@ def impedance(reference: Path, arm: ReportArm, M_d: Array, K_D: Array, K_P: Arra
         tip = arm.tip(now.q, now.v)
         h = np.concatenate([now.force, np.zeros(3)])
         pull = K_D * (rate - tip.jacobian @ now.v) + K_P * (desired - tip.pose) - h
-        return resolved(arm, now, tip, acceleration + pull / M_d) + tip.jacobian.T @ h
+        return resolved(arm, now, tip, acceleration + pull / M_d) + np.asarray(tip.jacobian.T @ h)
 
     return law
 
@@ -122,7 +123,7 @@ class EstimatedPursuit:
         self._bandwidth, self._speed, self._threshold = bandwidth, approach_speed, threshold
         self._stiffness, self._fading = initial_stiffness, math.exp(-PERIOD / forgetting_time)
         self._sum, self._touching = 0.0, False
-        self._samples: list[tuple[float, float, float]] = []  # weight, position, force
+        self._samples = np.zeros((3, 0))  # weights, positions, forces
         self._spread = 0.0
 
     def move(self, desired: float, force: float, place: float, lag: float) -> float:
@@ -138,27 +139,27 @@ class EstimatedPursuit:
             wanted = self._bandwidth * error / self._estimate(place, force)
             rate = min(max(wanted, -self._speed), self._speed)
         else:
-            self._samples, self._spread = [], 0.0
+            self._samples, self._spread = np.zeros((3, 0)), 0.0
         self._sum += PERIOD * rate
         return displacement
 
     def _estimate(self, place: float, force: float) -> float:
         """Weighted least squares over the whole contact, from all its samples anew."""
-        faded = [(self._fading * w, p, f) for w, p, f in self._samples] + [(1.0, place, force)]
-        if _moments(faded)[0] < self._spread:
-            faded = [*self._samples, (1.0, place, force)]
-        self._samples = faded
-        self._spread, together = _moments(faded)
+        samples = np.column_stack([self._samples, [1.0, place, force]])
+        faded = samples.copy()
+        faded[0, :-1] *= self._fading
+        self._samples = samples if _moments(faded)[0] < self._spread else faded
+        self._spread, together = _moments(self._samples)
         guess = (0.05 / 5000.0) ** 2
         slope = (together + guess * self._stiffness) / (self._spread + guess)
         return min(max(slope, 10.0), 2e4)
 
 
-def _moments(samples: list[tuple[float, float, float]]) -> tuple[float, float]:
+def _moments(samples: Array) -> tuple[float, float]:
     """Weighted second moments about the means: of the positions, and of positions and forces."""
-    w, p, f = np.array(samples).T
-    p, f = p - np.average(p, weights=w), f - np.average(f, weights=w)
-    return float(np.sum(w * p * p)), float(np.sum(w * p * f))
+    w, p, f = samples
+    p, f = p - (w @ p) / w.sum(), f - (w @ f) / w.sum()
+    return float(w @ (p * p)), float(w @ (p * f))
 
 
 def force_loop(

@@ -10,6 +10,7 @@ from tests.reproduction.independent.arm import Array, ReportArm
 
 Motion = tuple[Array, Array, Array]
 Path = Callable[[float], Motion]
+Point = Sequence[float] | Array
 
 HOME = (0.0, 0.0, 0.0)
 GOAL = (math.pi / 2, -0.2, math.pi)
@@ -24,7 +25,7 @@ WAYPOINTS = (
 TIMES = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0)
 
 
-def constant(position: Sequence[float]) -> Path:
+def constant(position: Point) -> Path:
     """A point at rest."""
     point, rest = np.array(position), np.zeros(len(position))
     return lambda time: (point, rest, rest)
@@ -57,8 +58,8 @@ def square(rate: float) -> Path:
     return at
 
 
-def quintic(times: Sequence[float], points: Sequence[Sequence[float]]) -> Path:
-    """Polynomials of degree 5 with zero velocity and acceleration at every point, solved as linear systems."""
+def quintic(times: Sequence[float], points: Sequence[Point]) -> Path:
+    """Polynomials of degree 5 that rest at every point, from linear systems of equations."""
     segments = []
     for (begin, end), (first, last) in zip(pairwise(times), pairwise(points), strict=True):
         conditions, T = np.zeros((6, 6)), end - begin

@@ -192,6 +192,8 @@ RUNS: Mapping[str, Callable[[], Signals]] = {
     "force_estimated": lambda: _press(_estimated(), 1.0, _wall(200.0, -0.5, 4.0), 2.0, inner=STIFF_INNER),
     "parallel": lambda: _parallel(_side_wall(50.0), False, 15.0, Pursuit(15.0, 15.0)),
     "parallel_as_run": lambda: _parallel(_side_wall(1.0), True, 15.0, Pursuit(15.0, 15.0)),
-    "parallel_estimated": lambda: _parallel(_side_wall(200.0, 0.4, 4.0), False, 1.0, _estimated(), STIFF_INNER),
+    "parallel_estimated": lambda: _parallel(
+        _side_wall(200.0, 0.4, 4.0), False, 1.0, _estimated(), STIFF_INNER
+    ),
 }
 """Every run with a check against numbers of this computation."""

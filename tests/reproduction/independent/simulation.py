@@ -119,9 +119,7 @@ def simulate_link(numbers: Adaptation, plant: tuple[float, ...], reference: Path
     for step in range(round(duration / PERIOD) + 1):
         desired, rate, acceleration = (float(part[0]) for part in reference(step * PERIOD))
         reference_rate = rate + numbers.slope * (desired - q)
-        columns = np.array(
-            [acceleration + numbers.slope * (rate - v), reference_rate, math.sin(q)]
-        )
+        columns = np.array([acceleration + numbers.slope * (rate - v), reference_rate, math.sin(q)])
         sliding = reference_rate - v
         torque = float(columns @ estimate) + numbers.damping * sliding
         estimate = estimate + PERIOD * np.array(numbers.rates) * columns * sliding
