@@ -34,7 +34,8 @@ def impedance(reference: Path, arm: ReportArm, M_d: Array, K_D: Array, K_P: Arra
         tip = arm.tip(now.q, now.v)
         h = np.concatenate([now.force, np.zeros(3)])
         pull = K_D * (rate - tip.jacobian @ now.v) + K_P * (desired - tip.pose) - h
-        return resolved(arm, now, tip, acceleration + pull / M_d) + np.asarray(tip.jacobian.T @ h)
+        torque: Array = resolved(arm, now, tip, acceleration + pull / M_d) + tip.jacobian.T @ h
+        return torque
 
     return law
 
@@ -59,7 +60,8 @@ def admittance(
             + K_P * (desired - z[:, 0] - tip.pose)
         )
         z[:] = [step @ [*state, load] for step, state, load in zip(steps, z, h, strict=True)]
-        return resolved(arm, now, tip, wanted) + tip.jacobian.T @ h
+        torque: Array = resolved(arm, now, tip, wanted) + tip.jacobian.T @ h
+        return torque
 
     return law
 
