@@ -43,10 +43,10 @@ class ReportArm:
             pin.JointModelPrismaticUnaligned(np.array([0.0, -1.0, 0.0])),
             pin.JointModelRevoluteUnaligned(np.array([-1.0, 0.0, 0.0])),
         )
-        places = ((0.0, 0.0, 0.15), (0.4, -0.3, 0.0), (0.0, 0.0, 0.0))
+        origins = ((0.0, 0.0, 0.15), (0.4, -0.3, 0.0), (0.0, 0.0, 0.0))
         parent = 0
-        for index, (joint, place, solid) in enumerate(zip(joints, places, _solids(masses), strict=True)):
-            at = pin.SE3(np.eye(3), np.array(place))
+        for index, (joint, origin, solid) in enumerate(zip(joints, origins, _solids(masses), strict=True)):
+            at = pin.SE3(np.eye(3), np.array(origin))
             parent = self.model.addJoint(parent, joint, at, f"joint_{index + 1}")
             self.model.appendBodyToJoint(parent, solid, pin.SE3.Identity())
         tip = pin.SE3(np.eye(3), np.array([0.0, -0.24, 0.0]))

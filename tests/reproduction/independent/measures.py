@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tests.reproduction.independent.arm import Array
-from tests.reproduction.independent.laws import PERIOD
+from tests.reproduction.independent.free_space import PERIOD
 from tests.reproduction.independent.simulation import Signals
 
 _BAND = 0.02  # of the first value

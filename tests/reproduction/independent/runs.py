@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from tests.reproduction.independent import contact_laws, laws
+from tests.reproduction.independent import contact, free_space
 from tests.reproduction.independent.arm import Array, ReportArm
-from tests.reproduction.independent.contact_laws import EstimatedPursuit, Pursuit
+from tests.reproduction.independent.contact import EstimatedPursuit, Pursuit
 from tests.reproduction.independent.references import (
     GOAL,
     HOME,
@@ -37,12 +37,12 @@ def _six(*values: float) -> Array:
 
 
 def _pd(reference: Path, K_P: Array, K_D: Array, duration: float, gravity: str = "current") -> Signals:
-    return simulate_arm(laws.joint_pd(reference, ARM, K_P, K_D, gravity), reference, duration)
+    return simulate_arm(free_space.joint_pd(reference, ARM, K_P, K_D, gravity), reference, duration)
 
 
 def _computed(reference: Path, K_P: float, K_D: float, duration: float, model: ReportArm = ARM) -> Signals:
-    law = laws.joint_inverse_dynamics(reference, model, K_P, K_D)
-    return simulate_arm(law, reference, duration)
+    controller = free_space.joint_inverse_dynamics(reference, model, K_P, K_D)
+    return simulate_arm(controller, reference, duration)
 
 
 def _link(reference: Path) -> Signals:
@@ -52,32 +52,32 @@ def _link(reference: Path) -> Signals:
 
 def _operational_pd(K_D: float) -> Signals:
     goal = constant(ARM.tip(np.array([-math.pi / 3, -0.1, math.pi / 2]), np.zeros(3)).pose)
-    return simulate_arm(laws.operational_pd(goal, ARM, 50.0, K_D), goal, 8.0)
+    return simulate_arm(free_space.operational_pd(goal, ARM, 50.0, K_D), goal, 8.0)
 
 
 def _resolved(reference: Path) -> Signals:
-    return simulate_arm(laws.operational_inverse_dynamics(reference, ARM, 100.0, 15.0), reference, 3.0)
+    return simulate_arm(free_space.operational_inverse_dynamics(reference, ARM, 100.0, 15.0), reference, 3.0)
 
 
-def _wall(stiffness: float, place: float, damping: float = 0.0) -> Wall:
-    return Wall(stiffness, np.array([0.0, -1.0, 0.0]), -place, damping)
+def _wall(stiffness: float, position: float, damping: float = 0.0) -> Wall:
+    return Wall(stiffness, np.array([0.0, -1.0, 0.0]), -position, damping)
 
 
-def _side_wall(stiffness: float, place: float = 0.0, damping: float = 0.0) -> Wall:
-    """A wall at x = -place; by default through the tip's position at (-π/2, -0.2, -π/6)."""
+def _side_wall(stiffness: float, position: float = 0.0, damping: float = 0.0) -> Wall:
+    """A wall at x = -position; by default through the tip's position at (-π/2, -0.2, -π/6)."""
     touch = ARM.tip(np.array([-math.pi / 2, -0.2, -math.pi / 6]), np.zeros(3)).pose
-    return Wall(stiffness, np.array([-1.0, 0.0, 0.0]), place or -float(touch[0]), damping)
+    return Wall(stiffness, np.array([-1.0, 0.0, 0.0]), position or -float(touch[0]), damping)
 
 
 def _slanted_wall(stiffness: float, slide: float) -> Wall:
     """A wall of slanted normal through the tip's position at a position of the slide."""
-    place = ARM.tip(np.array([0.0, slide, 0.0]), np.zeros(3)).pose[:3]
-    return Wall(stiffness, SLANTED, float(SLANTED @ place))
+    position = ARM.tip(np.array([0.0, slide, 0.0]), np.zeros(3)).pose[:3]
+    return Wall(stiffness, SLANTED, float(SLANTED @ position))
 
 
 def _compliance(wall: Wall, duration: float = 5.0) -> Signals:
     goal = constant(ARM.tip(np.array([0.0, -0.2, 0.0]), np.zeros(3)).pose)
-    return simulate_arm(contact_laws.compliance(goal, ARM, _six(50.0), _six(10.0)), goal, duration, wall)
+    return simulate_arm(contact.compliance(goal, ARM, _six(50.0), _six(10.0)), goal, duration, wall)
 
 
 FIGURE_TARGET = (
@@ -90,15 +90,15 @@ PRINTED_TARGET = _six(1.0, 0.5, 1.0, 1.0, 1.0, 1.0), _six(10.0), _six(50.0)
 
 def _impedance(target: tuple[Array, Array, Array], wall: Wall, duration: float = 5.0) -> Signals:
     path = pose_path(ARM, quintic((0.0, 1.0), (HOME, (0.0, -0.2, 0.0))))
-    return simulate_arm(contact_laws.impedance(path, ARM, *target), path, duration, wall)
+    return simulate_arm(contact.impedance(path, ARM, *target), path, duration, wall)
 
 
 def _admittance(wall: Wall, held: bool, duration: float) -> Signals:
     times, points = [0.0, 1.5, 3.0], [HOME, (0.0, -0.25, 0.0), (0.0, -0.1, 0.0)]
     path = pose_path(ARM, quintic(times[:2], points[:2]) if held else quintic(times, points))
     frame = _six(1.0), _six(1.0, 10.0, 1.0, 1.0, 1.0, 1.0), _six(1.0, 20.0, 1.0, 1.0, 1.0, 1.0)
-    law = contact_laws.admittance(path, ARM, frame, 50.0, 10.0)
-    return simulate_arm(law, path, duration, wall)
+    controller = contact.admittance(path, ARM, frame, 50.0, 10.0)
+    return simulate_arm(controller, path, duration, wall)
 
 
 INNER = _six(0.5, 0.5, 0.5, 1.0, 1.0, 1.0), _six(100.0), _six(50.0)
@@ -118,8 +118,8 @@ def _press(
     origin = start.copy()
     if base:
         origin[1] = 0.0
-    law = contact_laws.force_loop(ARM, constant(origin), -desired * wall.normal, pursuit, inner)
-    return simulate_arm(law, constant(start), duration, wall)
+    controller = contact.force_loop(ARM, constant(origin), -desired * wall.normal, pursuit, inner)
+    return simulate_arm(controller, constant(start), duration, wall)
 
 
 def _parallel(
@@ -131,9 +131,9 @@ def _parallel(
 ) -> Signals:
     desired = ARM.tip(np.array([-math.pi / 2, -0.1, -math.pi / 6]), np.zeros(3)).pose
     force = np.array([0.5, 0.0, 0.0])
-    law = contact_laws.force_loop(ARM, constant(desired), force, pursuit, inner)
+    controller = contact.force_loop(ARM, constant(desired), force, pursuit, inner)
     start = HOME if at_home else (-math.pi / 2, -0.1, -math.pi / 6)
-    return simulate_arm(law, constant(desired), duration, wall, start)
+    return simulate_arm(controller, constant(desired), duration, wall, start)
 
 
 _PD = np.array([50.0, 500.0, 50.0]), np.array([15.0, 150.0, 15.0])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tests.reproduction.independent.arm import Array, ReportArm, TipMotion
-from tests.reproduction.independent.laws import PERIOD, Law, Observed
+from tests.reproduction.independent.free_space import PERIOD, Controller, Observed
 from tests.reproduction.independent.references import Path
 
 Signals = Mapping[str, Array]
@@ -54,7 +54,7 @@ class Wall:
 
 
 def simulate_arm(
-    law: Law,
+    controller: Controller,
     reference: Path,
     duration: float,
     wall: Wall | None = None,
@@ -63,8 +63,8 @@ def simulate_arm(
     """An episode of the arm from rest.
 
     Args:
-        law: control law.
-        reference: motion that the law is to follow, of the joints (3) or of the pose (6).
+        controller: controller.
+        reference: motion that the controller is to follow, of the joints (3) or of the pose (6).
         duration: duration [s].
         wall: wall that the tip may touch.
         start: initial joint position (3) [rad, m, rad].
@@ -77,7 +77,7 @@ def simulate_arm(
         tip, inertia, bias = arm.tip(q, v), arm.inertia(q), arm.bias(q, v)
         # what is measured belongs to the torque of the period before
         measured = np.zeros(3) if wall is None else wall.force(tip, v, inertia, torque - bias)
-        torque = law(Observed(step * PERIOD, q, v, measured))
+        torque = controller(Observed(step * PERIOD, q, v, measured))
         desired = reference(step * PERIOD)[0]
         for name, value in zip(names, (q, tip.pose, measured, torque, desired), strict=True):
             rows[name].append(value)

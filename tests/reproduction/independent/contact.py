@@ -1,4 +1,4 @@
-"""The control laws of contact."""
+"""The controllers of contact."""
 
 import math
 
@@ -6,14 +6,14 @@ import numpy as np
 import pinocchio as pin
 
 from tests.reproduction.independent.arm import Array, ReportArm
-from tests.reproduction.independent.laws import PERIOD, Law, Observed, resolved
+from tests.reproduction.independent.free_space import PERIOD, Controller, Observed, resolved
 from tests.reproduction.independent.references import Path
 
 
-def compliance(reference: Path, arm: ReportArm, K_P: Array, K_D: Array) -> Law:
+def compliance(reference: Path, arm: ReportArm, K_P: Array, K_D: Array) -> Controller:
     """A spring and a damper along the axes of the desired frame."""
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired = reference(now.time)[0]
         tip = arm.tip(now.q, now.v)
         turn = np.eye(6)
@@ -23,32 +23,32 @@ def compliance(reference: Path, arm: ReportArm, K_P: Array, K_D: Array) -> Law:
         pull = K_P * (turn @ (desired - tip.pose)) - K_D * (J_d @ now.v)
         return arm.gravity(now.q) + np.asarray(J_d.T @ pull)
 
-    return law
+    return torque
 
 
-def impedance(reference: Path, arm: ReportArm, M_d: Array, K_D: Array, K_P: Array) -> Law:
+def impedance(reference: Path, arm: ReportArm, M_d: Array, K_D: Array, K_P: Array) -> Controller:
     """Mass, damper and spring, with the contact force compensated."""
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired, rate, acceleration = reference(now.time)
         tip = arm.tip(now.q, now.v)
         h = np.concatenate([now.force, np.zeros(3)])
         pull = K_D * (rate - tip.jacobian @ now.v) + K_P * (desired - tip.pose) - h
-        torque: Array = resolved(arm, now, tip, acceleration + pull / M_d) + tip.jacobian.T @ h
-        return torque
+        total: Array = resolved(arm, now, tip, acceleration + pull / M_d) + tip.jacobian.T @ h
+        return total
 
-    return law
+    return torque
 
 
 def admittance(
     reference: Path, arm: ReportArm, frame: tuple[Array, Array, Array], K_P: float, K_D: float
-) -> Law:
+) -> Controller:
     """A compliant frame M, D, K under the force, held over a period, and inverse dynamics that tracks it."""
     M_t, D_t, K_t = frame
     steps = [_held(m, d, k) for m, d, k in zip(M_t, D_t, K_t, strict=True)]
     z = np.zeros((6, 2))
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired, rate, acceleration = reference(now.time)
         tip = arm.tip(now.q, now.v)
         h = np.concatenate([now.force, np.zeros(3)])
@@ -60,10 +60,10 @@ def admittance(
             + K_P * (desired - z[:, 0] - tip.pose)
         )
         z[:] = [step @ [*state, load] for step, state, load in zip(steps, z, h, strict=True)]
-        torque: Array = resolved(arm, now, tip, wanted) + tip.jacobian.T @ h
-        return torque
+        total: Array = resolved(arm, now, tip, wanted) + tip.jacobian.T @ h
+        return total
 
-    return law
+    return torque
 
 
 def _held(mass: float, damping: float, stiffness: float) -> Array:
@@ -88,13 +88,13 @@ class Pursuit:
         self._gains = force_gain, integral_gain
         self._sum = 0.0
 
-    def move(self, desired: float, force: float, place: float, lag: float) -> float:
+    def move(self, desired: float, force: float, position: float, lag: float) -> float:
         """The displacement of this period [m].
 
         Args:
             desired: desired force [N].
             force: measured force along the desired one [N].
-            place: position of the tip along the desired force [m].
+            position: position of the tip along the desired force [m].
             lag: distance of the moving tip behind its target [m].
         """
         K_F, K_I = self._gains
@@ -128,7 +128,7 @@ class EstimatedPursuit:
         self._samples = np.zeros((3, 0))  # weights, positions, forces
         self._spread = 0.0
 
-    def move(self, desired: float, force: float, place: float, lag: float) -> float:
+    def move(self, desired: float, force: float, position: float, lag: float) -> float:
         """See `Pursuit.move`."""
         level = min(0.5 * desired, self._threshold) * (0.5 if self._touching else 1.0)
         contact = force > level
@@ -138,16 +138,16 @@ class EstimatedPursuit:
         displacement, error = self._sum, desired - force
         rate = self._speed if error > 0.0 else 0.0
         if contact:
-            wanted = self._bandwidth * error / self._estimate(place, force)
+            wanted = self._bandwidth * error / self._estimate(position, force)
             rate = min(max(wanted, -self._speed), self._speed)
         else:
             self._samples, self._spread = np.zeros((3, 0)), 0.0
         self._sum += PERIOD * rate
         return displacement
 
-    def _estimate(self, place: float, force: float) -> float:
+    def _estimate(self, position: float, force: float) -> float:
         """Weighted least squares over the whole contact, from all its samples anew."""
-        samples = np.column_stack([self._samples, [1.0, place, force]])
+        samples = np.column_stack([self._samples, [1.0, position, force]])
         faded = samples.copy()
         faded[0, :-1] *= self._fading
         self._samples = samples if _moments(faded)[0] < self._spread else faded
@@ -170,13 +170,13 @@ def force_loop(
     desired: Array,
     pursuit: Pursuit | EstimatedPursuit,
     inner: tuple[Array, Array, Array],
-) -> Law:
+) -> Controller:
     """An inner position loop M, D, K about a motion, moved by a pursuit along the desired force."""
     M_d, K_D, K_P = inner
     size = float(np.linalg.norm(desired))
     n = desired / size
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         pose, rate, acceleration = base(now.time)
         tip = arm.tip(now.q, now.v)
         behind = K_D * (tip.jacobian @ now.v - rate) / K_P
@@ -186,4 +186,4 @@ def force_loop(
         wanted = acceleration + (K_D * (rate - tip.jacobian @ now.v) + K_P * error) / M_d
         return resolved(arm, now, tip, wanted) + tip.jacobian[:3].T @ now.force
 
-    return law
+    return torque

@@ -1,4 +1,4 @@
-"""The control laws of free space, each a function of what is observed at the start of a period."""
+"""The controllers of free space, each a function of what is observed at the start of a period."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -12,7 +12,7 @@ PERIOD = 1e-3  # s
 
 
 class Observed(NamedTuple):
-    """What a law observes.
+    """What a controller observes.
 
     Attributes:
         time: time since the start [s].
@@ -27,41 +27,41 @@ class Observed(NamedTuple):
     force: Array
 
 
-Law = Callable[[Observed], Array]
+Controller = Callable[[Observed], Array]
 
 
-def joint_pd(reference: Path, arm: ReportArm, K_P: Array, K_D: Array, gravity: str = "current") -> Law:
+def joint_pd(reference: Path, arm: ReportArm, K_P: Array, K_D: Array, gravity: str = "current") -> Controller:
     """PD control; gravity compensation at the current or the desired position, or none."""
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired, rate, _ = reference(now.time)
         load = {"current": arm.gravity(now.q), "desired": arm.gravity(desired), "none": np.zeros(3)}
         return load[gravity] + K_P * (desired - now.q) + K_D * (rate - now.v)
 
-    return law
+    return torque
 
 
-def joint_inverse_dynamics(reference: Path, model: ReportArm, K_P: float, K_D: float) -> Law:
+def joint_inverse_dynamics(reference: Path, model: ReportArm, K_P: float, K_D: float) -> Controller:
     """Computed torque."""
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired, rate, acceleration = reference(now.time)
         y = acceleration + K_D * (rate - now.v) + K_P * (desired - now.q)
         return model.inertia(now.q) @ y + model.bias(now.q, now.v)
 
-    return law
+    return torque
 
 
-def operational_pd(reference: Path, arm: ReportArm, K_P: float, K_D: float) -> Law:
+def operational_pd(reference: Path, arm: ReportArm, K_P: float, K_D: float) -> Controller:
     """PD control of the pose with gravity compensation."""
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired, rate, _ = reference(now.time)
         tip = arm.tip(now.q, now.v)
         pull = K_P * (desired - tip.pose) + K_D * (rate - tip.jacobian @ now.v)
         return arm.gravity(now.q) + tip.jacobian.T @ pull
 
-    return law
+    return torque
 
 
 def resolved(arm: ReportArm, now: Observed, tip: TipMotion, acceleration: Array) -> Array:
@@ -70,13 +70,13 @@ def resolved(arm: ReportArm, now: Observed, tip: TipMotion, acceleration: Array)
     return arm.inertia(now.q) @ y + arm.bias(now.q, now.v)
 
 
-def operational_inverse_dynamics(reference: Path, arm: ReportArm, K_P: float, K_D: float) -> Law:
+def operational_inverse_dynamics(reference: Path, arm: ReportArm, K_P: float, K_D: float) -> Controller:
     """Computed torque for the pose."""
 
-    def law(now: Observed) -> Array:
+    def torque(now: Observed) -> Array:
         desired, rate, acceleration = reference(now.time)
         tip = arm.tip(now.q, now.v)
         wanted = acceleration + K_D * (rate - tip.jacobian @ now.v) + K_P * (desired - tip.pose)
         return resolved(arm, now, tip, wanted)
 
-    return law
+    return torque
