@@ -174,12 +174,11 @@ def _draw_levels(axes: "Axes", item: Axis) -> list["Artist"]:
         (label, value, _PREDICTED, style)
         for (label, value), style in zip(item.predictions, styles, strict=False)
     ]
-    return [
-        axes.axhline(
-            value, color=color, linestyle=style, linewidth=1.0, label=f"{label}\n{value:.4g} {item.unit}"
-        )
-        for label, value, color, style in rows
-    ]
+    drawn: list[Artist] = []
+    for label, value, color, style in rows:
+        text = f"{_with_subscripts(label)}\n{value:.4g} {item.unit}"
+        drawn.append(axes.axhline(value, color=color, linestyle=style, linewidth=1.0, label=text))
+    return drawn
 
 
 def _with_subscripts(text: str) -> str:
