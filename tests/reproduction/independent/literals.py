@@ -6,7 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tests.reproduction.independent.arm import Array
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 FOLDER = Path(__file__).parents[3] / "prp_gym" / "reproduction"
 SOURCE = "a second simulation, with Pinocchio"
