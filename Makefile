@@ -12,8 +12,8 @@ LOWEST_TESTS ?= tests/action_modes tests/agents tests/baselines tests/conformanc
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
-.PHONY: install evaluate reproduce test test-lowest mutants fuzz kills clients lint type bench peers docs frames \
-        tune train compare audit learn-check clean
+.PHONY: install evaluate reproduce test test-lowest mutants mutants-reproduce fuzz kills clients lint type bench \
+        peers docs frames tune train compare audit learn-check clean
 
 install: $(VENV)/.core
 
@@ -31,6 +31,9 @@ test-lowest: $(LOWEST)/.tests
 
 mutants: $(VENV)/.dev
 	$(BIN)/python -m bench.mutants
+
+mutants-reproduce: $(VENV)/.dev
+	$(BIN)/python -m bench.mutants_reproduce
 
 fuzz: $(VENV)/.dev
 	$(BIN)/python -m bench.fuzz $(FUZZ)

@@ -1,6 +1,6 @@
 """PRP-PoseTracking-v0: follow a trajectory of the end effector's pose."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +12,17 @@ from prp_gym.envs.base.references import PoseSpaceReference
 from prp_gym.envs.base.scoring import POSE_SCORING
 from prp_gym.envs.base.tracking_starts import Draw, StartOptions, TrackingStarts, WaypointSampler
 from prp_gym.envs.config import describe
+from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
+from prp_gym.tasks.scenario import Range
 from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
 from prp_gym.tasks.trajectory import QuinticWaypoints
 
 REFERENCES = ("joint", "pose")
+WAYPOINTS = ("printed", "as_run")
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,7 @@ class PoseTrackingOptions(StartOptions):
     """The task's own keywords.
 
     Raises:
-        UnknownNameError: a reference or start that does not exist.
+        UnknownNameError: a reference, start or set of waypoints that does not exist.
     """
 
     reference: str = field(
@@ -39,9 +42,19 @@ class PoseTrackingOptions(StartOptions):
         ),
     )
 
+    waypoints: str = field(
+        default="printed",
+        metadata=describe(
+            "",
+            "waypoints of scenario `report`: `printed` has π/3 in the first one's first joint, as the text of"
+            " the report, and `as_run` π/4, as its author's last script",
+        ),
+    )
+
     def __post_init__(self) -> None:
         super().__post_init__()
         choice("reference", self.reference, REFERENCES)
+        choice("waypoints", self.waypoints, WAYPOINTS)
 
 
 class PoseWaypointSampler(WaypointSampler):
@@ -62,10 +75,24 @@ def compose(setup: TaskSetup) -> TaskParts:
     Source: [R] 10.1.
     """
     world: ArmWorld[EpisodeStart] = ArmWorld(setup)
+    if setup.options.waypoints == "as_run":
+        setup = _as_run(setup)
     sampler = WaypointSampler if setup.options.reference == "joint" else PoseWaypointSampler
     reference = PoseSpaceReference(world.arm)
     errors = PoseErrors(observed_layout(world, reference))
     return TaskParts(world, TrackingStarts(world, sampler(setup, world.arm)), reference, errors)
+
+
+def _as_run(setup: TaskSetup) -> TaskSetup:
+    """The setup with the first waypoint of the author's last script."""
+    numbers, kind = setup.numbers, setup.scenario.draws
+    if not setup.scenario.deterministic:
+        allowed = "'printed' in this scenario, which draws its waypoints ('as_run' needs scenario 'report')"
+        raise InvalidValueError("waypoints", "as_run", allowed)
+    first = tuple(numbers.constants["first_waypoint_as_run"])
+    waypoints = first + setup.ranges["waypoints"].low[len(first) :]
+    drawn = {**setup.ranges, "waypoints": Range(waypoints, waypoints)}
+    return replace(setup, numbers=replace(numbers, ranges={**numbers.ranges, kind: drawn}))
 
 
 TASK = register_task(

@@ -40,6 +40,10 @@ CHAPTERS = (
     "impedance_stiff.toml",
     "admittance.toml",
     "direct_force.toml",
+    "joint_transients.toml",
+    "operational_transients.toml",
+    "interaction_transients.toml",
+    "force_transients.toml",
 )
 
 T = TypeVar("T")
@@ -91,7 +95,10 @@ def read_catalogue(texts: Sequence[str]) -> Catalogue:
     rows = [row for table in chapters for row in _entry(table, "runs", dict, "a chapter").items()]
     _check_unique("run", [name for name, _ in rows])
     runs = {name: _run(name, row) for name, row in rows}
-    experiments = [_experiment(row, runs) for table in chapters for row in _tables(table, "figures")]
+    figures = [row for table in chapters for row in _tables(table, "figures")]
+    later = [row for table in chapters for row in table.get("checks", [])]
+    _check_known("figure", [row.get("figure") for row in later], [row.get("number") for row in figures])
+    experiments = [_experiment(_extended(row, later), runs) for row in figures]
     answers = tuple(_make(Answer, row, "answer") for table in chapters for row in _tables(table, "answers"))
     _check_unique("figure", [item.number for item in experiments])
     _check_unique("check", [check.name for item in experiments for check in item.checks])
@@ -99,6 +106,13 @@ def read_catalogue(texts: Sequence[str]) -> Catalogue:
     for answer in answers:
         _check_known(f"check in the answer to {answer.question}", placeholders(answer.text), names)
     return Catalogue(runs, {item.number: item for item in sorted(experiments, key=_number)}, answers)
+
+
+def _extended(figure: Table, later: Sequence[Table]) -> Table:
+    """A figure with the checks that a chapter of transients adds to it."""
+    added = [row for row in later if row["figure"] == figure.get("number")]
+    own = _tables(figure, "checks", f"figure {figure.get('number')}")
+    return {**figure, "checks": [*own, *({k: v for k, v in row.items() if k != "figure"} for row in added)]}
 
 
 def _number(experiment: Experiment) -> int:
@@ -177,6 +191,8 @@ def _panel(table: Table, runs: Mapping[str, ExperimentRun], checks: Sequence[Che
     _check_known("run", panel.runs, runs)
     of_signal = [check.name for check in checks if check.measure.arguments.get("signal") == panel.signal]
     _check_known(f"check of {panel.signal} in {what}", panel.predictions, of_signal)
+    labels = [check.label for check in checks if check.name in panel.predictions]
+    _check_unique(f"label of a prediction in {what}", labels)
     return panel
 
 

@@ -169,6 +169,7 @@ class Check:
         explanation: why the measurement deviates by more than the tolerance; empty if it must not.
         explained_tolerance: deviation, in the unit, up to which the explanation holds, one number for
             all components or one each; empty without an explanation.
+        label: label of the prediction in the legend of a figure that draws it.
     """
 
     name: str
@@ -182,6 +183,7 @@ class Check:
     relative: float = 0.0
     explanation: str = ""
     explained_tolerance: tuple[float, ...] = ()
+    label: str = "predicted"
 
     def __post_init__(self) -> None:
         if not any(self.absolute) and not self.relative:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
@@ -28,7 +29,7 @@ REFERENCE_LABEL = "reference"
 _REFERENCE = "#222222"
 _PREDICTED = "#b01030"
 _LEVEL = "#777777"
-_PREDICTION = "predicted"
+_PREDICTED_STYLES = ("-", "--", ":")
 
 
 class Curve(NamedTuple):
@@ -57,6 +58,7 @@ class Axis(NamedTuple):
         curves: curves of the runs, one for each.
         reference: curves drawn dashed, at most one.
         levels: labels and values of the horizontal lines.
+        predictions: labels and values of the lines at predicted values.
         limits: limits of the vertical axis; empty to fit the curves.
     """
 
@@ -66,6 +68,7 @@ class Axis(NamedTuple):
     curves: tuple[Curve, ...]
     reference: tuple[Curve, ...]
     levels: tuple[tuple[str, float], ...]
+    predictions: tuple[tuple[str, float], ...]
     limits: tuple[float, ...]
 
 
@@ -83,8 +86,6 @@ def _panel_axes(outcome: FigureOutcome, panel: Panel) -> Iterator[Axis]:
         if panel.reference:
             reference.append(_curve(outcome, panel.runs[0], panel.reference, component, until))
             reference[0] = reference[0]._replace(label=REFERENCE_LABEL)
-        levels = [(level.label, level.value) for level in panel.levels]
-        levels += _predicted(outcome, panel, component)
         column = f"{panel.signal}_{component + 1}"
         yield Axis(
             signal.symbols[component],
@@ -92,7 +93,8 @@ def _panel_axes(outcome: FigureOutcome, panel: Panel) -> Iterator[Axis]:
             column,
             tuple(curves),
             tuple(reference),
-            tuple(levels),
+            tuple((level.label, level.value) for level in panel.levels),
+            tuple(_predicted(outcome, panel, component)),
             panel.limits,
         )
 
@@ -105,14 +107,14 @@ def _curve(outcome: FigureOutcome, run: str, signal: str, component: int, until:
 
 
 def _predicted(outcome: FigureOutcome, panel: Panel, component: int) -> list[tuple[str, float]]:
-    """Predictions of the panel's checks for a component."""
+    """Labels and values of the predictions of the panel's checks for a component."""
     found = []
     for verdict in outcome.verdicts:
         if verdict.check.name in panel.predictions:
             all_of_them = range(len(verdict.predicted))
             components = list(verdict.check.measure.arguments.get("components", all_of_them))
             if component in components:
-                found.append((_PREDICTION, float(verdict.predicted[components.index(component)])))
+                found.append((verdict.check.label, float(verdict.predicted[components.index(component)])))
     return found
 
 
@@ -145,12 +147,7 @@ def draw(outcome: FigureOutcome) -> bytes:
 
 def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str, "Artist"]:
     """Draw one axes; its curves by label."""
-    levels = []
-    for label, value in item.levels:
-        color = _PREDICTED if label == _PREDICTION else _LEVEL
-        levels.append(
-            axes.axhline(value, color=color, linewidth=1.0, label=f"{label}\n{value:.4g} {item.unit}")
-        )
+    levels = _draw_levels(axes, item)
     lines: dict[str, Artist] = {}
     for index, curve in enumerate(item.curves):  # thin over thick: equal curves are both seen
         width = 2.6 if index == 0 else 1.2
@@ -167,6 +164,21 @@ def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str,
     if levels:
         axes.legend(handles=levels, loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=9, frameon=False)
     return lines
+
+
+def _draw_levels(axes: "Axes", item: Axis) -> list["Artist"]:
+    """Draw the horizontal lines of one axes; predictions differ in their dashes."""
+    rows = [(label, value, _LEVEL, "-") for label, value in item.levels]
+    styles = itertools.cycle(_PREDICTED_STYLES)
+    rows += [
+        (label, value, _PREDICTED, style)
+        for (label, value), style in zip(item.predictions, styles, strict=False)
+    ]
+    drawn: list[Artist] = []
+    for label, value, color, style in rows:
+        text = f"{_with_subscripts(label)}\n{value:.4g} {item.unit}"
+        drawn.append(axes.axhline(value, color=color, linestyle=style, linewidth=1.0, label=text))
+    return drawn
 
 
 def _with_subscripts(text: str) -> str:

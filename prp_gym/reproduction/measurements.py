@@ -46,6 +46,12 @@ def value_at(rollout: Rollout, signal: str, time: float, components: Components 
 
 
 @_measurement
+def values_at(rollout: Rollout, signal: str, times: Sequence[float], components: Components = ()) -> Array:
+    """The signal at the observations nearest to several times [s], one time after the other."""
+    return np.concatenate([value_at(rollout, signal, time, components) for time in times])
+
+
+@_measurement
 def final_value(rollout: Rollout, signal: str, components: Components = ()) -> Array:
     """The signal's last value."""
     row: Array = series(rollout, signal, components)[1][-1]
@@ -53,10 +59,19 @@ def final_value(rollout: Rollout, signal: str, components: Components = ()) -> A
 
 
 @_measurement
-def maximum(rollout: Rollout, signal: str, after: float = 0.0, components: Components = ()) -> Array:
-    """The signal's largest value after a time [s]."""
-    largest: Array = np.nanmax(_between(rollout, signal, components, after, np.inf), axis=0)
+def maximum(rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()) -> Array:
+    """The signal's largest value up to a time [s]."""
+    largest: Array = np.nanmax(_between(rollout, signal, components, 0.0, until), axis=0)
     return largest
+
+
+@_measurement
+def time_of_maximum(
+    rollout: Rollout, signal: str, until: float = np.inf, components: Components = ()
+) -> Array:
+    """Time of the signal's largest value up to a time [s]."""
+    when: Array = rollout.time[np.nanargmax(_between(rollout, signal, components, 0.0, until), axis=0)]
+    return when
 
 
 @_measurement

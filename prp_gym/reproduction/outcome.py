@@ -73,12 +73,14 @@ def judge(experiment: Experiment, recorded: Mapping[str, RecordedRun]) -> Figure
             larger deviation than the tolerance.
     """
     own = {name: recorded[name] for name in experiment.runs}
-    return FigureOutcome(experiment, own, tuple(_verdict(check, own) for check in experiment.checks))
+    verdicts = (judge_check(check, own[check.measure.run]) for check in experiment.checks)
+    return FigureOutcome(experiment, own, tuple(verdicts))
 
 
-def _verdict(check: Check, recorded: Mapping[str, RecordedRun]) -> Verdict:
+def judge_check(check: Check, recorded: RecordedRun) -> Verdict:
+    """Measure a recorded run and compare it with a check's prediction; see `judge`."""
     predicted = check.predict.compute()
-    measured = check.measure.compute(recorded[check.measure.run].rollout)
+    measured = check.measure.compute(recorded.rollout)
     check.require_sizes(predicted, measured)
     return Verdict(check, predicted, measured, check.tolerance(predicted), check.widest_tolerance(predicted))
 
@@ -118,6 +120,11 @@ class _Numbers(tuple[float, ...]):
 
     def __format__(self, spec: str) -> str:
         return format(self[0], spec)
+
+
+def unit_of(check: Check) -> str:
+    """The unit of a check's numbers for tables: one, or one for each number where they differ."""
+    return check.unit[0] if len(set(check.unit)) == 1 else ", ".join(check.unit)
 
 
 def show(values: Array, digits: int = 4) -> str:

@@ -11,13 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.evaluation.response import SETTLING_BAND
-from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, apply
-from prp_gym.robot.parameters import NOMINAL
-
-_ITERATIONS = 200
-_SAMPLES = 1_000_001
+from prp_gym.robot.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,25 +45,6 @@ def formula(function: FunctionT) -> FunctionT:
         function.__name__, lines[0].rstrip("."), source.rstrip("."), function
     )
     return function
-
-
-@formula
-def joint_pd_sag(desired: float, proportional_gain: float) -> Array:
-    """Sag of joint 3: K_P3 q̃_3 = g_3(q_d3 - q̃_3), q̃_1 = q̃_2 = 0.
-
-    Args:
-        desired: q_d3 [rad].
-        proportional_gain: K_P of joint 3, above the gravity gradient [N m/rad].
-
-    Returns:
-        (3) steady error q_d - q of joint PD without gravity compensation [rad, m, rad].
-
-    Source: [S] 8.5.1 with g = 0; [R] 6.2.
-    """
-    sag = 0.0
-    for _ in range(_ITERATIONS):  # a contraction: |∂g_3/∂q_3| < K_P
-        sag = float(PRPArm().gravity_vector([0.0, 0.0, desired - sag])[2]) / proportional_gain
-    return np.array([0.0, 0.0, sag])
 
 
 def error_decay(time: ArrayLike, proportional_gain: float, derivative_gain: float) -> Array:
@@ -177,102 +152,3 @@ def second_order_peak_time(proportional_gain: float, derivative_gain: float, joi
     Source: [S] 8.5.2, step response of a second-order system; [R] 7.1.
     """
     return np.full(joints, math.pi / _damped_frequency(proportional_gain, derivative_gain))
-
-
-@formula
-def second_order_settling_time(proportional_gain: float, derivative_gain: float, joints: int = 3) -> Array:
-    """Last t with |q̃(t)| = 2 % of q̃(0), q̃¨ + K_D q̃˙ + K_P q̃ = 0.
-
-    Args:
-        proportional_gain: K_P [1/s^2].
-        derivative_gain: K_D [1/s].
-        joints: number of joints that have this response.
-
-    Returns:
-        (joints) settling time, to a millionth of the slowest mode's ten time constants [s].
-
-    Raises:
-        InvalidValueError: a gain that is not above 0.
-
-    Source: [S] 8.5.2, step response of a second-order system; [R] 7.3.
-    """
-    slowest = -_slowest_root(proportional_gain, derivative_gain)[0].real
-    time = np.linspace(0.0, 10.0 / slowest, _SAMPLES)
-    outside = np.abs(error_decay(time, proportional_gain, derivative_gain)) > SETTLING_BAND
-    return np.full(joints, time[np.flatnonzero(outside)[-1] + 1])
-
-
-@formula
-def first_torque(step: Sequence[float], proportional_gain: float) -> Array:
-    """Initial torque: τ(0) = B(0) K_P q̃(0) + g(0).
-
-    Args:
-        step: q̃(0) (3), from rest at home [rad, m, rad].
-        proportional_gain: K_P [1/s^2].
-
-    Returns:
-        (3) first torque of joint-space inverse dynamics [N m, N, N m].
-
-    Source: [S] 8.5.2; [R] 7.1.
-    """
-    home = np.zeros(3)
-    acceleration = proportional_gain * np.array(step)
-    return apply(PRPArm().inertia_matrix(home), acceleration) + PRPArm().gravity_vector(home)
-
-
-@formula
-def holding_torque(joint_position: Sequence[float]) -> Array:
-    """Torque at rest: τ = g(q).
-
-    Args:
-        joint_position: q (3), at rest [rad, m, rad].
-
-    Returns:
-        (3) [N m, N, N m].
-
-    Source: [S] 7.1; [R] 3.1.
-    """
-    return PRPArm().gravity_vector(joint_position)
-
-
-@formula
-def rest_error_with_link_mass_errors(
-    desired: Sequence[float], masses: Sequence[float], proportional_gain: float
-) -> Array:
-    """Equilibrium with model errors: B̂(q) K_P q̃ + ĝ(q) = g(q), q = q_d - q̃.
-
-    Args:
-        desired: q_d (3) [rad, m, rad].
-        masses: link masses of the controller's model (3) [kg].
-        proportional_gain: K_P [1/s^2].
-
-    Returns:
-        (3) error at rest of inverse dynamics with link-mass errors [rad, m, rad].
-
-    Source: [S] 8.5.2, with a model that differs from the arm; [R] 7.2.
-    """
-    true, model = PRPArm(), PRPArm(NOMINAL.with_masses(masses))
-    goal = np.array(desired)
-    error = np.zeros(3)
-    for _ in range(_ITERATIONS):  # a contraction while gravity's mismatch is small against B̂ K_P
-        q = goal - error
-        mismatch = true.gravity_vector(q) - model.gravity_vector(q)
-        error[:] = np.linalg.solve(model.inertia_matrix(q), mismatch) / proportional_gain
-    return error
-
-
-@formula
-def pose(joint_position: Sequence[float], components: Sequence[int]) -> Array:
-    """Direct kinematics: x = k(q).
-
-    Args:
-        joint_position: q (3) [rad, m, rad].
-        components: components of the pose: tip position (0 to 2) [m], ZXZ Euler angles (3 to 5) [rad].
-
-    Returns:
-        (components).
-
-    Source: [S] 2.8; [R] 1.2.
-    """
-    chosen: Array = PRPArm().forward_kinematics(joint_position)[list(components)]
-    return chosen

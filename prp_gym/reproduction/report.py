@@ -9,7 +9,7 @@ from prp_gym.artifacts import write_file, write_json
 from prp_gym.evaluation.results import describe_run
 from prp_gym.reproduction.experiment import Answer
 from prp_gym.reproduction.figures import draw, table
-from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show
+from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show, unit_of
 from prp_gym.reproduction.run import SCENARIO, RecordedRun
 
 Answers = Sequence[tuple[Answer, str]]
@@ -139,7 +139,7 @@ def _explanation(verdict: Verdict) -> str:
     if verdict.word != "explained":
         return ""
     check = verdict.check
-    bound = f"up to {show(verdict.widest, digits=2)} [{', '.join(check.unit)}]"
+    bound = f"up to {show(verdict.widest, digits=2)} [{unit_of(check)}]"
     return f"{check.what}, {bound}: {check.explanation}"
 
 
@@ -169,7 +169,7 @@ def _row(verdict: Verdict) -> tuple[str, ...]:
     check = verdict.check
     cells = (
         check.question,
-        f"{check.what} [{', '.join(check.unit)}]",
+        f"{check.what} [{unit_of(check)}]",
         check.predict.text,
         show(verdict.predicted),
         show(verdict.measured),

@@ -6,7 +6,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from prp_gym.reproduction.experiment import Answer
-from prp_gym.reproduction.outcome import FigureOutcome, show
+from prp_gym.reproduction.outcome import FigureOutcome, show, unit_of
 
 _STYLES = {"pass": "green", "explained": "yellow", "FAIL": "bold red"}
 
@@ -29,7 +29,7 @@ def verdict_table(outcomes: Sequence[FigureOutcome]) -> Table:
             table.add_row(
                 "" if index else str(outcome.experiment.number),
                 check.question,
-                f"{check.what} \\[{', '.join(dict.fromkeys(check.unit))}]",
+                f"{check.what} \\[{unit_of(check)}]",
                 show(verdict.predicted),
                 show(verdict.measured),
                 show(verdict.tolerance, digits=2),

@@ -44,6 +44,27 @@ PRINTED: dict[tuple[str, str], dict[str, Any]] = {
         "damping": [10.0, 25.0, 10.0, 10.0, 10.0, 10.0],
         "stiffness": [50.0, 75.0, 50.0, 50.0, 50.0, 50.0],
     },
+    ("admittance", "report"): {
+        "inertia": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+        "damping": [1.0, 10.0, 1.0, 1.0, 1.0, 1.0],
+        "stiffness": [1.0, 20.0, 1.0, 1.0, 1.0, 1.0],
+        "proportional_gain": 50.0,
+        "derivative_gain": 10.0,
+    },
+    ("force_inner_position", "report"): {
+        "force_gain": 10.0,
+        "integral_gain": 5.0,
+        "inertia": [0.5, 0.5, 0.5, 1.0, 1.0, 1.0],
+        "derivative_gain": 100.0,
+        "proportional_gain": 50.0,
+    },
+    ("parallel_force_position", "report"): {
+        "force_gain": 15.0,
+        "integral_gain": 15.0,
+        "inertia": 1.0,
+        "derivative_gain": 60.0,
+        "proportional_gain": 40.0,
+    },
 }
 LEAST_RATE = {  # [Hz]
     ("joint_pd", "report"): 500.0,

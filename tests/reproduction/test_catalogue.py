@@ -14,6 +14,8 @@ from prp_gym.reproduction.catalogue import read_catalogue
 
 CHAPTER = files("prp_gym.reproduction").joinpath("joint_pd.toml").read_text(encoding="utf-8")
 TABLES = tomllib.loads(CHAPTER)
+FROZEN = "predict = { value = [2.0143248e-08"
+FORMULA = 'predict = { name = "slowest_force_mode" }\nlabel = "a"#'
 
 
 def changed(old: str, new: str) -> Catalogue:
@@ -27,12 +29,12 @@ def changed(old: str, new: str) -> Catalogue:
     [
         ('run = "pd", signal', 'run = "dp", signal', UnknownNameError, ["run", "dp", "pd_sine"]),
         ('name = "final_value"', 'name = "last"', UnknownNameError, ["measurement", "last", "final_value"]),
-        ('name = "joint_pd_sag"', 'name = "sag"', UnknownNameError, ["formula", "sag", "joint_pd_sag"]),
+        (FROZEN, FORMULA.replace("slow", "slo"), UnknownNameError, ["formula", "slowest_force_mode"]),
         ('signal = "joint_error" }', 'signal = "error" }', UnknownNameError, ["signal", "joint_error"]),
         ("components = [0, 1, 2]", "components = [0, 3]", UnknownNameError, ["component", "'3'"]),
         ('runs = ["pd", "pd_printed"]', 'runs = ["pdd"]', UnknownNameError, ["run", "pdd"]),
         ("after = 2.0", "from = 2.0", UnknownNameError, ["argument", "from", "sine_error", "after"]),
-        ("desired = 3.141592653589793, ", "", InvalidValueError, ["joint_pd_sag", "desired"]),
+        (FROZEN, FORMULA, InvalidValueError, ["slowest_force_mode", "force_gain"]),
         ("until = 3.0", "till = 3.0", UnknownNameError, ["key of figure 5", "till", "until"]),
         ("until = 3.0\n", "", InvalidValueError, ["until", "figure 5", "missing"]),
         ("duration = 5.0\n", "", InvalidValueError, ["duration", "run 'pd'", "missing"]),
@@ -133,6 +135,45 @@ def test_key_that_is_missing_is_named(key: str, path: tuple[str | int, ...], wor
 def test_value_of_another_kind_is_refused(text: str, words: str) -> None:
     with pytest.raises(InvalidValueError, match=words):
         read_catalogue([text])
+
+
+def later(**changes: Any) -> str:
+    """A chapter with one further check, of figure 5 unless it is changed."""
+    check = {**TABLES["figures"][0]["checks"][0], "figure": 5, "name": "later", **changes}
+    return as_toml({"runs": {}, "figures": [], "answers": [], "checks": [check]})
+
+
+def test_later_chapter_adds_its_checks_to_their_figures() -> None:
+    plain, more = (read_catalogue([CHAPTER, *texts]) for texts in ([], [later()]))
+    names = [check.name for check in plain.experiments[5].checks]
+    assert [check.name for check in more.experiments[5].checks] == [*names, "later"]
+    assert len(more.experiments[6].checks) == len(plain.experiments[6].checks)
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "words"),
+    [
+        ({"figure": 9}, UnknownNameError, ["unknown figure"]),
+        ({"name": "pd_error"}, InvalidValueError, ["pd_error", "twice"]),
+    ],
+)
+def test_later_check_that_fits_no_figure_is_refused(
+    changes: dict[str, Any], error: type[PRPError], words: list[str]
+) -> None:
+    with pytest.raises(error) as caught:
+        read_catalogue([CHAPTER, later(**changes)])
+    assert [word for word in words if word not in str(caught.value)] == []
+
+
+def test_two_predictions_of_one_figure_need_two_labels() -> None:
+    tables = deepcopy(TABLES)
+    sag, panel = tables["figures"][1]["checks"][0], tables["figures"][1]["panels"][1]
+    tables["figures"][1]["checks"].append({**sag, "name": "again"})
+    panel["predictions"] = ["pd_sag", "again"]
+    with pytest.raises(InvalidValueError, match="label of a prediction in figure 6 'predicted'"):
+        read_catalogue([as_toml(tables)])
+    tables["figures"][1]["checks"][-1]["label"] = "again, predicted"
+    read_catalogue([as_toml(tables)])
 
 
 def test_run_that_two_chapters_define_is_refused() -> None:

@@ -27,7 +27,9 @@ def outcome(*panels: Panel, until: float = 0.4, steps: int = 4) -> FigureOutcome
     """A figure of two runs, one check on joints 3 and 1."""
     check = CATALOGUE.experiments[6].checks[0]
     arguments = {"signal": "joint_position", "components": [2, 0]}
-    check = replace(check, name="both", measure=replace(check.measure, arguments=arguments))
+    check = replace(
+        check, name="both", label="rest, predicted", measure=replace(check.measure, arguments=arguments)
+    )
     numbers = np.array([7.0, 8.0])
     experiment = replace(CATALOGUE.experiments[6], panels=panels, until=until, checks=(check,))
     runs = {"a": recorded("a", 1.0), "b": recorded("b", -2.0, steps)}
@@ -49,9 +51,10 @@ def test_each_component_has_its_axes_with_runs_and_reference() -> None:
 def test_predictions_stand_where_their_component_is_drawn() -> None:
     panel = Panel("joint_position", (0, 1, 2), ("a",), predictions=("both",), levels=(Level(0.5, "wall"),))
     first, second, third = axes_of(outcome(panel))
-    assert first.levels == (("wall", 0.5), ("predicted", 8.0))
-    assert second.levels == (("wall", 0.5),)
-    assert third.levels == (("wall", 0.5), ("predicted", 7.0))
+    assert {axis.levels for axis in (first, second, third)} == {(("wall", 0.5),)}
+    assert first.predictions == (("rest, predicted", 8.0),)
+    assert second.predictions == ()
+    assert third.predictions == (("rest, predicted", 7.0),)
 
 
 def test_curves_end_with_the_time_axis() -> None:

@@ -13,10 +13,11 @@ from prp_gym.errors import InvalidValueError, ShapeError, UnknownNameError
 from prp_gym.reproduction import ExperimentRun, FigureOutcome, Verdict, judge, load_catalogue, record_run
 from prp_gym.reproduction.catalogue import CHAPTERS
 from prp_gym.reproduction.experiment import Number, Prediction
-from prp_gym.reproduction.outcome import fill, placeholders, show
+from prp_gym.reproduction.outcome import fill, placeholders, show, unit_of
 from prp_gym.reproduction.predictions import FORMULAS
 from prp_gym.reproduction.run import StateRecorder, check_names
 from prp_gym.tasks.registration import list_envs
+from tests.reproduction.independent.literals import SOURCE
 
 CATALOGUE = load_catalogue()
 FIGURES = [5, 6, 7, 8, *range(11, 17), 19, 20, 23, 24, 27, 28, 30, 31, 32, 35, 36, 37, 40, 41, 42, 45, 46, 49]
@@ -89,9 +90,29 @@ def test_prediction_of_a_check_can_be_computed(check: Any) -> None:
     assert tolerance.shape == predicted.shape
     assert (tolerance > 0.0).all()
     components = check.measure.arguments.get("components", [])
-    assert len(components) in (0, len(predicted))
+    assert len(components) * len(check.measure.arguments.get("times", [0.0])) in (0, len(predicted))
     assert check.predict.text
     assert check.reason
+
+
+def test_transient_of_every_gain_set_of_the_report_is_compared_with_a_second_simulation() -> None:
+    sets: dict[tuple[str, str], int] = {}
+    for check in CHECKS:
+        run = CATALOGUE.runs[check.measure.run]
+        transient = check.measure.name in ("value_at", "values_at") and check.predict.text == SOURCE
+        key = run.controller, "own" if run.overrides.get("stiffness") else run.gains
+        sets[key] = sets.get(key, 0) + transient
+    assert min(sets.values()) >= 1, sets
+    assert len(sets) == 17
+
+
+def test_damped_wall_and_estimated_stiffness_are_among_the_runs() -> None:
+    runs = CATALOGUE.runs.values()
+    assert any(run.keywords.get("surface_damping") for run in runs)
+    estimated = [run for run in runs if run.overrides.get("stiffness") == "estimated"]
+    assert {run.controller for run in estimated} == {"force_inner_position", "parallel_force_position"}
+    for run in estimated:  # with gains of their own, so that tuned sets may change
+        assert {"bandwidth", "approach_speed", "contact_threshold", "forgetting_time"} <= set(run.overrides)
 
 
 def test_every_formula_is_used() -> None:
@@ -121,7 +142,7 @@ def test_unknown_figure_names_the_valid_ones() -> None:
 
 
 def verdict_of(predicted: list[float], measured: list[float], **changes: Any) -> Verdict:
-    check = replace(CATALOGUE.experiments[6].checks[0], **{"absolute": (0.1,), **changes})
+    check = replace(CATALOGUE.experiments[6].checks[0], **{"absolute": (0.1,), "relative": 0.0, **changes})
     numbers = np.array(predicted)
     bounds = check.tolerance(numbers), check.widest_tolerance(numbers)
     return Verdict(check, numbers, np.array(measured), *bounds)
@@ -224,6 +245,14 @@ def test_answers_are_filled_where_all_their_checks_were_made() -> None:
 )
 def test_numbers_are_shown_without_noise(values: list[float], text: str) -> None:
     assert show(np.array(values)) == text
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    [(("rad",), "rad"), (("rad", "m", "rad"), "rad, m, rad"), (("m", "m", "m"), "m"), (("m",) * 2, "m")],
+)
+def test_unit_is_given_for_each_number_where_they_differ(unit: tuple[str, ...], text: str) -> None:
+    assert unit_of(replace(CHECKS[0], unit=unit)) == text
 
 
 class Counting:

@@ -10,7 +10,7 @@ import prp_gym
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.base.references import PoseSpaceReference
 from prp_gym.envs.base.tracking_starts import STARTS
-from prp_gym.errors import JointLimitError, UnknownNameError
+from prp_gym.errors import InvalidValueError, JointLimitError, UnknownNameError
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, QuinticWaypoints
@@ -20,7 +20,7 @@ ARM = PRPArm()
 PI = np.pi
 STEP = 1e-4  # of finite differences [s]
 REPORT_WAYPOINTS = [
-    (PI / 4, -0.2, PI / 3),
+    (PI / 3, -0.2, PI / 3),
     (-PI / 3, -0.1, PI / 4),
     (0.0, -0.2, 0.0),
     (PI / 2, 0.0, -PI / 4),
@@ -138,6 +138,26 @@ def test_report_tracking_rests_at_the_poses_of_the_reports_waypoints(reference: 
         pose, velocity, acceleration = at(env, time)
         np.testing.assert_allclose(pose, pose_of(*waypoint), rtol=0, atol=1e-14)
         np.testing.assert_array_equal([velocity, acceleration], 0.0)
+
+
+def test_report_tracking_as_run_differs_in_the_first_waypoint_alone() -> None:
+    env = begun(TRACKING, scenario="report", waypoints="as_run")
+    for index, waypoint in enumerate([(PI / 4, -0.2, PI / 3), *REPORT_WAYPOINTS[1:]], start=1):
+        np.testing.assert_allclose(at(env, 0.5 * index)[0], pose_of(*waypoint), rtol=0, atol=1e-14)
+    printed = begun(TRACKING, scenario="report")  # the numbers are not shared
+    np.testing.assert_allclose(at(printed, 0.5)[0], pose_of(*REPORT_WAYPOINTS[0]), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("scenario", ["randomized", "realistic"])
+def test_waypoints_as_run_are_refused_where_waypoints_are_drawn(scenario: str) -> None:
+    with pytest.raises(InvalidValueError, match=r"waypoints is 'as_run'; allowed: 'printed' .*'report'"):
+        environment(TRACKING, scenario=scenario, waypoints="as_run")
+
+
+def test_unknown_set_of_waypoints_is_refused() -> None:
+    with pytest.raises(UnknownNameError) as caught:
+        environment(TRACKING, waypoints="as run")
+    assert caught.value.valid == ("as_run", "printed")
 
 
 def test_pose_reference_runs_straight_between_the_poses_of_the_waypoints() -> None:
