@@ -69,8 +69,10 @@ train: $(VENV)/.agents
 compare: $(VENV)/.core
 	$(BIN)/prp-gym compare
 
-audit: $(VENV)/.core
-	$(BIN)/prp-gym audit
+# The stored summary is the one that docs/audit.md shows.
+audit: $(VENV)/.dev
+	$(BIN)/prp-gym audit $(AUDIT); status=$$?; \
+	$(BIN)/python -m docs.audit_page audit/results.json && exit $$status
 
 tune: $(VENV)/.core
 	$(PIP) --editable '.[tune]'

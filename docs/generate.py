@@ -13,6 +13,7 @@ import gymnasium
 import typer
 
 from docs.action_modes_page import action_modes_page, modes_of
+from docs.audit_page import audit_page
 from docs.clients_page import clients_page
 from docs.learning_page import learning_page
 from docs.metrics_page import metrics_page
@@ -275,6 +276,7 @@ PAGES = {
     "command_line.md": command_line_page,
     "clients.md": clients_page,
     "learning.md": learning_page,
+    "audit.md": audit_page,
 }
 
 

@@ -31,7 +31,7 @@ def _joint_settling(centimetre: tuple[float, ...]) -> MotionSettling:
 
 JOINT_SCORING = TaskScoring(
     _JOINT_COLUMNS,
-    (*_SETTLING, Criterion("overshoot", 100.0)),
+    (*_SETTLING, Criterion("overshoot", 100.0, required=False)),
     _joint_settling(JOINT_CENTIMETRE),
 )
 LINK_SCORING = TaskScoring(
@@ -48,7 +48,7 @@ POSE_SCORING = TaskScoring(
         "position_overshoot",
         *_EFFORT,
     ),
-    (*_SETTLING, Criterion("position_overshoot", 100.0)),
+    (*_SETTLING, Criterion("position_overshoot", 100.0, required=False)),
     MotionSettling(
         "end_effector_pose", "desired_pose", "desired_pose", _POSE, moving=1.0, resting=0.1, share=0.02
     ),

@@ -1,6 +1,6 @@
 """Whether the reward ranks policies as control engineers would, by criteria that are not its own."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,8 +21,8 @@ LEAST_CORRELATION = 0.8
 LEAST_POLICIES = 40
 """Number of policies from which an audit says something."""
 
-REPORTED = ("excess_energy", "energy")
-"""Metrics whose correlation is shown for information: a task may be worth its energy."""
+REPORTED = tuple(Criterion(name, np.inf, required=False) for name in ("excess_energy", "energy"))
+"""Criteria that are shown for information in every audit: a task may be worth its energy."""
 
 _CONFIDENCE = 0.95
 _RESAMPLES = 500  # about a dozen of them lie beyond each end of the interval
@@ -116,7 +116,7 @@ def criterion_values(entry: Entry, criterion: Criterion) -> Array:
         (rows, evaluation seeds), in the unit of the metric; NaN where the metric is undefined.
     """
     found = entry.metrics[criterion.metric][..., 0]
-    failed = (entry.metrics["unsettled"][..., 0] > 0.0) & ~np.isnan(found)
+    failed = (entry.metrics["unsettled"][..., 0] > 0.0) & ~np.isnan(found) & np.isfinite(criterion.worst)
     values: Array = np.where(failed, criterion.worst, np.minimum(found, criterion.worst))
     return values
 
@@ -127,32 +127,25 @@ def _audit(condition: Condition, seed: int) -> Audit:
     scores = np.stack([entry.scores.mean(axis=0) for entry in condition.entries])
     names = tuple(entry.policy for entry in condition.entries)
     findings = []
-    for metric, values in _criteria(condition).items():
-        required = metric not in REPORTED
-        findings.append(_finding(metric, scores, values, drawn, names, required))
-    return Audit(
-        condition.environment_id,
-        condition.scenario,
-        names,
-        tuple(scores.mean(axis=1).tolist()),
-        tuple(findings),
-    )
+    for criterion in (*scoring_of(condition.environment_id).criteria, *REPORTED):
+        values = _values(condition, criterion)
+        if values is not None:
+            findings.append(_finding(criterion, scores, values, drawn, names))
+    means = tuple(scores.mean(axis=1).tolist())
+    return Audit(condition.environment_id, condition.scenario, names, means, tuple(findings))
 
 
-def _criteria(condition: Condition) -> Mapping[str, Array]:
-    """Every criterion that is defined under a condition, (policies, evaluation seeds)."""
-    found = {}
-    for criterion in scoring_of(condition.environment_id).criteria:
-        if all(criterion.metric in entry.metrics for entry in condition.entries):
-            rows = [criterion_values(entry, criterion).mean(axis=0) for entry in condition.entries]
-            found[criterion.metric] = np.stack(rows)
-    for metric in REPORTED:
-        found[metric] = np.stack([entry.metrics[metric][..., 0].mean(axis=0) for entry in condition.entries])
-    return {metric: values for metric, values in found.items() if not np.isnan(values).all()}
+def _values(condition: Condition, criterion: Criterion) -> Array | None:
+    """What counts of a criterion, (policies, evaluation seeds); None where it is undefined."""
+    if not all(criterion.metric in entry.metrics for entry in condition.entries):
+        return None
+    rows = [criterion_values(entry, criterion).mean(axis=0) for entry in condition.entries]
+    values = np.stack(rows)
+    return None if np.isnan(values).all() else values
 
 
 def _finding(
-    metric: str, scores: Array, values: Array, drawn: _Indices, names: tuple[str, ...], required: bool
+    criterion: Criterion, scores: Array, values: Array, drawn: _Indices, names: tuple[str, ...]
 ) -> Finding:
     """Scores against values, each (policies, evaluation seeds)."""
     with np.errstate(invalid="ignore"):
@@ -164,11 +157,6 @@ def _finding(
     value = Estimate(concordance(every, -means), float(low), float(high))
     best = np.argsort(-every, kind="stable")[: max(1, round(_BEST * len(every)))]
     offenders = tuple(names[index] for index in best if means[index] > np.median(means))
-    return Finding(
-        metric,
-        value,
-        rank_correlation(every, -means),
-        tuple(means.tolist()),
-        offenders if required else (),
-        required,
-    )
+    spearman = rank_correlation(every, -means)
+    offenders = offenders if criterion.required else ()
+    return Finding(criterion.metric, value, spearman, tuple(means.tolist()), offenders, criterion.required)

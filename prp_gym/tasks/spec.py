@@ -26,10 +26,12 @@ class Criterion:
     Attributes:
         metric: Name of a metric with one component, the smaller the better.
         worst: Largest value that counts, in the unit of the metric.
+        required: Whether the reward must agree with it; else it is shown for information.
     """
 
     metric: str
     worst: float
+    required: bool = True
 
 
 @dataclass(frozen=True)
