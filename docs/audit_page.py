@@ -24,7 +24,7 @@ def audit_page() -> str:
         " that exploit"
         " a reward instead of doing the task; then it compares their mean scores with criteria that are not"
         " the reward's own signals. [Metrics](metrics.md#criteria-of-the-audit) defines the criteria. The"
-        f" correlation is Goodman and Kruskal's γ: of the pairs of policies that a criterion distinguishes,"
+        f" correlation is Goodman and Kruskal's γ: of every two policies that a criterion distinguishes,"
         " the share that the score ranks alike less the share that it ranks oppositely. It has to exceed"
         f" {LEAST_CORRELATION:g} over at least {LEAST_POLICIES} policies, and no policy of the best tenth by"
         " score may be in the worse half by a criterion. Spearman's correlation is shown beside it; it stays"

@@ -73,7 +73,7 @@ def _criteria() -> str:
     ]
     text = (
         "`prp-gym audit` computes Goodman and Kruskal's γ between the mean score and the smallness of each"
-        " criterion below: the rank correlation over the pairs of policies that the criterion distinguishes,"
+        " criterion below: the rank correlation over every two policies that the criterion distinguishes,"
         f" of at least {LEAST_POLICIES} good and bad ones, with a 95 % bootstrap interval over the episodes."
         " It has to exceed"
         f" {LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a"

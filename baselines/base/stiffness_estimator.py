@@ -15,7 +15,7 @@ _PP, _PR, _RR, _PF, _RF = range(4, 9)  # weighted sums of products of deviations
 _SIZE = 9
 
 
-class Surface(NamedTuple):
+class EstimatedSurface(NamedTuple):
     """The estimated surface.
 
     Attributes:
@@ -98,14 +98,14 @@ class StiffnessEstimator:
         after = np.where(richer[..., None], faded, kept)
         return np.where(contact[..., None], after, memory)
 
-    def surface(self, memory: Array) -> Surface:
+    def surface(self, memory: Array) -> EstimatedSurface:
         """K̂ and D̂ (...)."""
         spread, cross = memory[..., _PP] + self.guess_spread, memory[..., _PR]
         learned = memory[..., _PF] + self.guess_spread * self.initial_stiffness
         rates = memory[..., _RR] + self.damping_spread
         determinant = np.maximum(spread * rates - cross * cross, self.guess_spread * self.damping_spread)
         damping = np.clip((memory[..., _RF] * spread - cross * learned) / determinant, *self.dampings)
-        return Surface(np.clip((learned - cross * damping) / spread, *self.allowed), damping)
+        return EstimatedSurface(np.clip((learned - cross * damping) / spread, *self.allowed), damping)
 
     def stiffness(self, memory: Array) -> Array:
         """K̂ (...) [N/m]."""

@@ -22,7 +22,7 @@ class ForceErrors(ErrorFunction):
 
     With f = n·f_e along the desired force f_d n, the relative force error is 1 - f/f_d; where it is negative,
     the force exceeds the desired one, and its size counts `excess_factor` times. The disturbance of the
-    contact remembers the worst moment: it is the largest of the relative excess f/f_d - 1, of 1 at every
+    contact keeps the worst moment: it is the largest of the relative excess f/f_d - 1, of 1 at every
     moment at which contact is lost that had been established by half the desired force, and of its former
     value, which decays with `disturbance_time`. Without contact it is at least 1. A short impact, which a
     mean error hardly shows, so costs score for as long as the decay takes, as do bounces.

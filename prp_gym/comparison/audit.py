@@ -38,7 +38,7 @@ class Finding:
     Attributes:
         metric: metric of the criterion.
         correlation: Goodman and Kruskal's γ between the score and the smallness of the metric: 1 if both rank
-            every pair of policies alike that the criterion distinguishes. Its 95 % interval is over the
+            every two policies alike that the criterion distinguishes. Its 95 % interval is over the
             episodes, for these policies.
         spearman: Spearman's rank correlation, which stays below 1 where many policies are equally bad.
         values: mean of the metric for each policy, over episodes.

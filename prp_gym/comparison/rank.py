@@ -34,9 +34,9 @@ def rank_correlation(x: Array, y: Array) -> float:
 
 
 def concordance(x: Array, y: Array) -> float:
-    """Goodman and Kruskal's γ, the rank correlation over the pairs that both x and y distinguish.
+    """Goodman and Kruskal's γ, the rank correlation over every two values that both x and y distinguish.
 
-    γ = (C - D)/(C + D) with C pairs that x and y rank alike and D that they rank oppositely. Unlike
+    γ = (C - D)/(C + D) with C cases of two that x and y rank alike and D that they rank oppositely. Unlike
     Spearman's correlation it can reach 1 where many values are equal.
 
     Args:
@@ -44,7 +44,7 @@ def concordance(x: Array, y: Array) -> float:
         y: (n), likewise.
 
     Returns:
-        γ in [-1, 1]; NaN where no pair is distinguished.
+        γ in [-1, 1]; NaN where no two are distinguished.
 
     Raises:
         ShapeError: not as many values of y as of x.
@@ -67,7 +67,7 @@ def resampled_concordances(x: Array, y: Array) -> Array:
         y: (resamples, n), likewise.
 
     Returns:
-        (resamples), without those in which no pair is distinguished.
+        (resamples), without those in which no two are distinguished.
     """
     found = np.array([concordance(first, second) for first, second in zip(x, y, strict=True)])
     defined: Array = found[~np.isnan(found)]

@@ -252,7 +252,7 @@ FORCE_ERROR = Field.symmetric(
     (np.inf,) * 2,
     "relative force error, in which an excess counts more than its size; disturbance of the contact",
 )
-"""What the errors of force tasks remember of the contact; recorded, not observed."""
+"""What the errors of force tasks keep of the contact; recorded, not observed."""
 
 LINK_POSITION_BOUND = 1e5
 """Bound of the link's unlimited rotation [rad], which takes 200 s at its largest speed."""

@@ -27,6 +27,7 @@ from prp_gym.baselines import (
 )
 from prp_gym.baselines.base.force_loop import ForceLoop
 from prp_gym.baselines.base.references import REFERENCE_FIELDS
+from prp_gym.baselines.force_feedforward import ForceFeedforwardController
 from prp_gym.errors import InvalidValueError, MissingFieldError, ShapeError
 from prp_gym.evaluation import evaluate
 from prp_gym.robot import PRPArm
@@ -164,7 +165,8 @@ def test_controller_reads_its_declared_fields_a_reference_and_a_force_where_one_
         {"force_offset", "approach_speed_factor", "bandwidth_factor"},
     )
     force_fields = of_the_task | of_action_modes
-    assert read - declared - reference <= (force_fields if isinstance(policy, ForceLoop) else set())
+    pressing = isinstance(policy, ForceLoop | ForceFeedforwardController)
+    assert read - declared - reference <= (force_fields if pressing else set())
 
 
 def test_unread_fields_may_be_absent_and_read_fields_may_be_in_any_order(

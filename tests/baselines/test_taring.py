@@ -101,7 +101,7 @@ def test_rows_of_a_batch_are_independent() -> None:
 @pytest.mark.parametrize(
     "name", ["impedance", "admittance", "force_inner_position", "parallel_force_position"]
 )
-def test_untared_controllers_do_not_remember_readings(name: str) -> None:
+def test_untared_controllers_keep_no_readings(name: str) -> None:
     observed = random_observation(3, 2)
     tared, untared = controller(name, "tuned"), controller(name, "report")
     assert len(tared.initial_state(observed)) > len(untared.initial_state(observed))

@@ -58,8 +58,8 @@ def test_rank_correlation_of_different_lengths_is_refused() -> None:
         rank_correlation(np.ones(4), np.ones(3))
 
 
-def test_concordance_is_that_of_the_pairs_that_both_distinguish() -> None:
-    # of six pairs x leaves one undecided and y another one; three agree, one does not
+def test_concordance_is_that_over_every_two_values_that_both_distinguish() -> None:
+    # of six cases of two x leaves one undecided and y another one; three agree, one does not
     found = concordance(np.array([1.0, 2.0, 2.0, 4.0]), np.array([0.0, 3.0, 0.0, 1.0]))
     assert found == pytest.approx((3 - 1) / (3 + 1))
     assert np.isnan(concordance(np.ones(3), np.arange(3.0)))

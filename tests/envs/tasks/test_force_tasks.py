@@ -302,7 +302,7 @@ def test_excess_force_counts_twice_and_missing_force_once(environment_id: str) -
     assert contact.step(2.5)[0] == pytest.approx(-0.5)
 
 
-def test_impact_is_remembered_and_fades_with_the_time_constant(environment_id: str) -> None:
+def test_impact_fades_with_the_time_constant(environment_id: str) -> None:
     contact = Contact(environment_id)
     assert contact.step(2.0)[1] == 0.0
     assert contact.step(3.0)[1] == pytest.approx(0.5)
