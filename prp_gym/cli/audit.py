@@ -70,8 +70,8 @@ def _show(audits: list[Audit]) -> None:
     console.print(unaware_table(audits, list(UNAWARE)))
     console.print(
         "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
-        f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}, with its 95 % "
-        "interval over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
+        f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}; its 95 % interval is "
+        "over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
         "that does not settle counts as the worst by every criterion. γ has to exceed "
         f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
         "criterion. Energies are shown for information."
