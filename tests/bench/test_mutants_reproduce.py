@@ -1,5 +1,6 @@
 """The deliberate defects of `make mutants-reproduce`: each can be put into the tree and names its runs."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -95,4 +96,12 @@ def test_exit_code_says_whether_the_goal_is_reached(
 
 
 def test_judge_finds_nothing_in_the_tree_as_it_is() -> None:
-    assert judge_runs.first_failure(["inverse_dynamics_constant"]) == ""
+    assert judge_runs.first_failure(["force_estimated"]) == ""
+
+
+def test_judge_names_the_check_that_fails_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    item = load_catalogue()
+    slower = replace(item.runs["pd_sine"], overrides={"derivative_gain": 15.0})
+    runs = {**item.runs, "pd_sine": slower}
+    monkeypatch.setattr(judge_runs, "load_catalogue", lambda: replace(item, runs=runs))
+    assert judge_runs.first_failure(["pd_sine"]).startswith("sine_error: [")

@@ -18,7 +18,8 @@ pytest.importorskip("pinocchio")
 
 FOLDER = Path(literals.__file__).parent
 LEAST = 94
-CHECKS = {check.name: check for item in load_catalogue().experiments.values() for check in item.checks}
+CATALOGUE = load_catalogue()
+CHECKS = {check.name: check for item in CATALOGUE.experiments.values() for check in item.checks}
 TABLES = {row["name"]: row for path in chapters() for row in frozen_checks(path.read_text(encoding="utf-8"))}
 QUICK = (
     "pd_printed",
@@ -50,6 +51,26 @@ def test_there_are_enough_checks_and_each_literal_names_its_run() -> None:
     assert len(CHECKS) >= LEAST
     assert {row["measure"]["run"] for row in TABLES.values()} <= set(RUNS)
     assert {name for name, check in CHECKS.items() if check.predict.text == SOURCE} == set(TABLES)
+
+
+def test_transient_of_every_gain_set_of_the_report_is_compared_with_a_second_simulation() -> None:
+    sets: dict[tuple[str, str], int] = {}
+    for check in CHECKS.values():
+        run = CATALOGUE.runs[check.measure.run]
+        transient = check.measure.name in ("value_at", "values_at") and check.predict.text == SOURCE
+        key = run.controller, "own" if run.overrides.get("stiffness") else run.gains
+        sets[key] = sets.get(key, 0) + transient
+    assert min(sets.values()) >= 1, sets
+    assert len(sets) == 17
+
+
+def test_damped_wall_and_estimated_stiffness_are_among_the_runs() -> None:
+    runs = CATALOGUE.runs.values()
+    assert any(run.keywords.get("surface_damping") for run in runs)
+    estimated = [run for run in runs if run.overrides.get("stiffness") == "estimated"]
+    assert {run.controller for run in estimated} == {"force_inner_position", "parallel_force_position"}
+    for run in estimated:  # with gains of their own, so that tuned sets may change
+        assert {"bandwidth", "approach_speed", "contact_threshold", "forgetting_time"} <= set(run.overrides)
 
 
 @pytest.mark.parametrize("run", QUICK)

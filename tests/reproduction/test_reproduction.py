@@ -17,7 +17,6 @@ from prp_gym.reproduction.outcome import fill, placeholders, show, unit_of
 from prp_gym.reproduction.predictions import FORMULAS
 from prp_gym.reproduction.run import StateRecorder, check_names
 from prp_gym.tasks.registration import list_envs
-from tests.reproduction.independent.literals import SOURCE
 
 CATALOGUE = load_catalogue()
 FIGURES = [5, 6, 7, 8, *range(11, 17), 19, 20, 23, 24, 27, 28, 30, 31, 32, 35, 36, 37, 40, 41, 42, 45, 46, 49]
@@ -93,26 +92,6 @@ def test_prediction_of_a_check_can_be_computed(check: Any) -> None:
     assert len(components) * len(check.measure.arguments.get("times", [0.0])) in (0, len(predicted))
     assert check.predict.text
     assert check.reason
-
-
-def test_transient_of_every_gain_set_of_the_report_is_compared_with_a_second_simulation() -> None:
-    sets: dict[tuple[str, str], int] = {}
-    for check in CHECKS:
-        run = CATALOGUE.runs[check.measure.run]
-        transient = check.measure.name in ("value_at", "values_at") and check.predict.text == SOURCE
-        key = run.controller, "own" if run.overrides.get("stiffness") else run.gains
-        sets[key] = sets.get(key, 0) + transient
-    assert min(sets.values()) >= 1, sets
-    assert len(sets) == 17
-
-
-def test_damped_wall_and_estimated_stiffness_are_among_the_runs() -> None:
-    runs = CATALOGUE.runs.values()
-    assert any(run.keywords.get("surface_damping") for run in runs)
-    estimated = [run for run in runs if run.overrides.get("stiffness") == "estimated"]
-    assert {run.controller for run in estimated} == {"force_inner_position", "parallel_force_position"}
-    for run in estimated:  # with gains of their own, so that tuned sets may change
-        assert {"bandwidth", "approach_speed", "contact_threshold", "forgetting_time"} <= set(run.overrides)
 
 
 def test_every_formula_is_used() -> None:
