@@ -65,22 +65,23 @@ def make_controller(
     """A controller on an interface; see `make_baseline`."""
     spec = find_controller(controller)
     chosen = read_gains(spec, gains, interface.environment_id)
-    _require_frequency(spec, chosen, 1.0 / interface.period, other_sets(spec, gains), overrides)
     takes = takes_target_impedance(spec, gains)
     requested = _target_impedance(spec, interface, chosen.target_factor) if takes else {}
-    settings = _make_settings(spec, chosen, {**chosen.values, **requested}, overrides)
+    given = {**chosen.values, **requested}
+    chosen_gains = set(spec.settings_class.vectors) & set(given)
+    if not chosen_gains <= set(overrides):
+        _require_frequency(spec, chosen, 1.0 / interface.period, other_sets(spec, gains))
+    settings = _make_settings(spec, chosen, given, overrides)
     try:
         return spec.policy(interface, settings)
     except MissingFieldError as error:  # by the name that its user knows
         raise MissingFieldError(spec.name, error.missing, error.available) from None
 
 
-def _require_frequency(
-    spec: ControllerSpec, chosen: GainSet, frequency: float, others: str, overrides: Mapping[str, Any]
-) -> None:
-    """Refuse gains that are unstable at a control frequency [Hz], unless all of them are overridden."""
-    frequency, gains = round(frequency, 6), set(spec.settings_class.vectors) & set(chosen.values)
-    if frequency < chosen.minimum_frequency and not gains <= set(overrides):
+def _require_frequency(spec: ControllerSpec, chosen: GainSet, frequency: float, others: str) -> None:
+    """Refuse gains that are unstable at a control frequency [Hz]."""
+    frequency = round(frequency, 6)
+    if frequency < chosen.minimum_frequency:
         raise InvalidValueError(
             "control_frequency",
             frequency,

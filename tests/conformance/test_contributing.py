@@ -158,11 +158,12 @@ def check_lists(printed: dict[str, str]) -> None:
 
 def check_evaluation(folder: Path, printed: str) -> None:
     found = {row["baseline"]: row for row in read(folder / "results.json")["evaluations"]}
-    assert set(found) == {CONTROLLER.name, "joint_pd"}
+    assert set(found) == {CONTROLLER.name, "joint_pd", "zero_torque", "hold"}
     assert {row["environment"] for row in found.values()} == {TASK.name}
     assert found["joint_pd"]["score"]["value"] < found[CONTROLLER.name]["score"]["value"] < 1.0
     assert found[CONTROLLER.name]["settings"]["proportional_gain"] == [563.0, 2480.0, 25.2]
-    for row in found.values():
+    for name in (CONTROLLER.name, "joint_pd"):
+        row = found[name]
         (peak,), (energy,) = row["median"][METRIC.name], row["median"]["energy"]
         assert peak > energy / row["duration"] > 0.0  # the largest power exceeds the mean
     assert "peak power" in printed
@@ -172,10 +173,9 @@ def check_evaluation(folder: Path, printed: str) -> None:
 def check_comparison(folder: Path, printed: str) -> None:
     content = read(folder / "results.json")
     kinds = [(row["policy"], row["kind"]) for row in content["evaluations"]]
-    assert kinds == [(CONTROLLER.name, "controller"), ("joint_pd", "controller"), ("zero", "zero")]
-    assert content["evaluations"][-1]["median"][METRIC.name] == [0.0]
-    (audit,) = content["audits"]
-    assert audit["environment_id"] == TASK.name
+    classical = [(CONTROLLER.name, "controller"), ("joint_pd", "controller")]
+    assert kinds == [*classical, ("zero_torque", "floor"), ("hold", "floor")]
+    assert content["evaluations"][2]["median"][METRIC.name] == [0.0]
     assert f"{TASK.name}, scenario report" in printed
 
 

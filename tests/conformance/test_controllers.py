@@ -108,8 +108,8 @@ def test_evaluator_of_stable_baselines_runs_the_same_episodes(environment_id: st
     vector.seed(11)
     returns, lengths = evaluate_policy(policy, vector, 6, return_episode_rewards=True, warn=False)
     assert lengths == [25] * 6
-    # rewards are float32 in a DummyVecEnv: 25 of at most 2e-3 s, each rounded to 6e-8 of itself
-    np.testing.assert_allclose(returns, in_a_row.T.ravel(), rtol=0, atol=1e-8)
+    # rewards are float32 in a DummyVecEnv: 25 of at most 1, each rounded to 6e-8 of itself
+    np.testing.assert_allclose(returns, in_a_row.T.ravel(), rtol=0, atol=2e-6)
     monitored = Monitor(single())
     monitored.reset(seed=11)
     state = monitored.unwrapped.np_random.bit_generator.state

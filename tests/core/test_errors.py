@@ -17,6 +17,7 @@ from prp_gym.errors import (
     DataFileError,
     DataTextError,
     EpisodeError,
+    ErrorObservationError,
     FolderInUseError,
     GainsFileError,
     InvalidValueError,
@@ -43,6 +44,7 @@ NAMES = st.lists(st.text("abcdefgh_", min_size=3, max_size=12), min_size=1, max_
 CONTROLLERS = ("joint_pd", "joint_inverse_dynamics", "impedance", "admittance")
 WITH_FACTS = [
     UnknownNameError("controller", "impedence", CONTROLLERS),
+    ErrorObservationError("PRP-Force-v0", 50.0),
     UnknownKeywordError("the environment", "duratoin", ("duration", "scenario")),
     InvalidValueError("duration", -1.0, "above 0", "s"),
     ShapeError("action", (2,), "(3,)"),

@@ -19,7 +19,7 @@ def evaluation_of(scores: Array, dead: int = 0) -> Evaluation:
     """Episodes of two steps with given scores, of which the last ones stay at 1 rad from the goal."""
     stuck = joints((1.0, 0.0, 0.0))
     rollouts = [
-        episode(seed, stuck if seed >= len(scores) - dead else joints(), reward=np.full(2, 0.01 * score))
+        episode(seed, stuck if seed >= len(scores) - dead else joints(), reward=np.full(2, score))
         for seed, score in enumerate(scores)
     ]
     return Evaluation(rollouts, 0)

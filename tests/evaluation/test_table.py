@@ -187,7 +187,7 @@ def test_table_of_records_read_back_is_that_of_the_evaluations(kind: str) -> Non
     evaluations = {
         "lame": Evaluation([episode(seed, KINDS[kind], diverged=True) for seed in range(3)], 0),
         "fast": Evaluation([episode(seed, KINDS[kind]) for seed in range(3)], 0),
-        "once": Evaluation([episode(fields=KINDS[kind], reward=np.full(2, 1 / 300))], 0),
+        "once": Evaluation([episode(fields=KINDS[kind], reward=np.full(2, 1 / 3))], 0),
     }
     medians = np.concatenate([value for own in evaluations.values() for value in own.median.values()])
     assert np.isnan(medians).any()
@@ -197,7 +197,7 @@ def test_table_of_records_read_back_is_that_of_the_evaluations(kind: str) -> Non
 
 
 def test_best_score_comes_first() -> None:
-    rows = [row(name, reward=np.full(2, worth)) for name, worth in (("b", 0.002), ("a", 0.009), ("c", 0.005))]
+    rows = [row(name, reward=np.full(2, worth)) for name, worth in (("b", 0.2), ("a", 0.9), ("c", 0.5))]
     assert [line.split()[0] for line in body(*rows)] == ["a", "c", "b"]
 
 

@@ -54,7 +54,7 @@ def make_rollout(fields: Mapping[str, Array], joints: int = 3, **changes: Any) -
         "fields": fields,
         "torque": torque,
         "applied_torque": torque,
-        "reward": np.full(steps, 0.6 * PERIOD),
+        "reward": np.full(steps, 0.6),
         "info": {
             "cost_saturation": np.arange(steps) % (joints + 1),
             "cost_joint_stop": (np.arange(steps) < 25).astype(float),

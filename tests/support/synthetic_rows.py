@@ -59,7 +59,7 @@ def episode(seed: int = 0, fields: dict[str, Array] = KINDS["joint"], **changes:
     count = fields["joint_velocity"].shape[-1]
     info = {name: np.zeros(2) for name in ("cost_saturation", "cost_joint_stop", "cost_force_bound")}
     torque = np.zeros((2, count))
-    content = {"seed": seed, "applied_torque": torque, "reward": np.full(2, 0.005), "info": info, **changes}
+    content = {"seed": seed, "applied_torque": torque, "reward": np.full(2, 0.5), "info": info, **changes}
     return make_rollout(fields, count, duration=0.02, compute_time=np.full(2, 42e-6), **content)
 
 

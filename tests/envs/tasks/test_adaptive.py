@@ -273,8 +273,8 @@ def test_reward_is_the_declared_kernel_of_tracking_and_effort() -> None:
     env.reset(seed=0)
     for action in np.random.default_rng(0).uniform(-1.0, 1.0, 30):
         observation, reward, _, _, info = env.step(np.array([action]))
-        tracking = 0.95 / (1.0 + abs(observation[2] - observation[0]) / 0.05) / 500.0
-        effort = 0.05 / (1.0 + abs(action)) / 500.0
+        tracking = 0.95 / (1.0 + abs(observation[2] - observation[0]) / 0.05)
+        effort = 0.05 / (1.0 + abs(action))
         assert info["reward_tracking"] == pytest.approx(tracking, rel=1e-12)  # some roundings
         assert info["reward_effort"] == pytest.approx(effort, rel=1e-12)
         assert reward == pytest.approx(tracking + effort, rel=1e-12)

@@ -241,8 +241,8 @@ def test_reward_is_the_declared_kernel_of_the_pose_errors(environment_id: str) -
             "reward_effort": 0.05 / (1.0 + np.linalg.norm(action)),  # torque over the nominal limits
         }
         for name, value in terms.items():
-            assert info[name] == pytest.approx(value / 500.0, rel=1e-12)  # some roundings
-        assert reward == pytest.approx(sum(terms.values()) / 500.0, rel=1e-12)
+            assert info[name] == pytest.approx(value, rel=1e-12)  # some roundings
+        assert reward == pytest.approx(sum(terms.values()), rel=1e-12)
 
 
 @pytest.mark.parametrize(("keyword", "valid"), [("reference", ("joint", "pose")), ("start", STARTS)])

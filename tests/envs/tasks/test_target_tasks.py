@@ -186,7 +186,7 @@ def test_reward_is_that_of_the_distance_from_the_model(environment_id: str) -> N
             + 0.25 / (1.0 + np.linalg.norm(off[3:5] / angle))
             + 0.05 / (1.0 + np.linalg.norm(effort))
         )
-        assert reward == pytest.approx(worth / 500.0, rel=1e-12)  # some roundings
+        assert reward == pytest.approx(worth, rel=1e-12)  # some roundings
 
 
 def test_model_is_recorded_but_not_observed() -> None:
