@@ -278,6 +278,6 @@ def test_refusal_survives_pickling() -> None:
 
 
 def test_revision_is_that_of_a_registered_environment() -> None:
-    assert {environment_revision(name) for name in list_envs()} == {1}
+    assert {environment_revision(name) for name in list_envs()} == {2}
     with pytest.raises(UnknownNameError, match="unknown environment 'PRP-Froce-v0'"):
         environment_revision("PRP-Froce-v0")

@@ -13,6 +13,7 @@ from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
 from torch import nn
 
 from prp_gym.agents.policy.agent_file import load_agent, save_agent
+from prp_gym.agents.policy.environments import environment_revision
 from prp_gym.agents.policy.learned_policy import LearnedPolicy
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import export_agent, identity_normalizer
@@ -132,7 +133,7 @@ def test_card_says_what_model_and_facts_know() -> None:
 
 def test_card_stores_the_present_revision_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     source, policy = made("PPO")
-    assert policy.card.interface.environment_revision == 1
+    assert policy.card.interface.environment_revision == environment_revision(ID)
     monkeypatch.setattr("prp_gym.agents.training.export.environment_revision", {ID: 4}.__getitem__)
     exported = export_agent(source.model, source.normalizer, facts())
     assert exported.card.interface.environment_revision == 4

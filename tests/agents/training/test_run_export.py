@@ -27,14 +27,14 @@ def test_agent_of_a_run_scores_on_held_out_episodes_as_its_training_says(
     with closing(
         make_sb3_vec_env(ID, 4, seed=FIRST_HELD_OUT_SEED, num_threads=1, **job.recipe.env_kwargs)
     ) as env:
-        observation = np.asarray(env.reset())
+        observation, horizon = np.asarray(env.reset()), env.get_attr("config", 0)[0].horizon
         state, begins = None, np.ones(4, dtype=np.bool_)
         while not done.any():
             action, state = agent.predict(observation, state=state, episode_start=begins)
             observation, reward, done, _ = env.step(action)  # type: ignore[assignment]
             returns, begins = returns + reward, done
-    # float32 actions of numpy and torch differ in their last bits, over fifty steps of one second in all
-    assert returns.mean() == pytest.approx(result["best"]["score"], abs=1e-4)
+    # float32 actions of numpy and torch differ in their last bits
+    assert returns.mean() / horizon == pytest.approx(result["best"]["score"], abs=1e-4)
     assert agent.card.run.steps == result["best"]["steps"]
     assert len(agent.card.run.curve) > 2
 

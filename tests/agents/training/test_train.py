@@ -34,7 +34,10 @@ OFF_POLICY = (
     *("n_envs=8", "batch_size=128", "gradient_steps=4", "learning_rate=1e-3"),
     "policy_kwargs.net_arch=[32, 32]",
 )
-COMMON = ("env_kwargs.control_frequency=20", "env_kwargs.duration=1", "gamma=0.9")
+COMMON = (
+    *("env_kwargs.control_frequency=20", "env_kwargs.duration=1", "env_kwargs.scenario=randomized"),
+    "gamma=0.9",
+)
 
 
 class Fixed:
