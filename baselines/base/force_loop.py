@@ -48,7 +48,8 @@ class ForceLoopSettings(ForceSensingSettings):
         least_approach_speed: least speed v_min of an approach that follows from the force [m/s].
         approach_factor: η, factor on the speed that follows from the force [1].
         contact_threshold: force from which the estimated form assumes contact [N].
-        initial_stiffness: stiffness estimate at the start of every contact, above 0 [N/m].
+        initial_stiffness: stiffness estimate before the first contact, above 0 [N/m]; the greatest stiffness
+            that the task declares replaces it where that is less.
         forgetting_time: time constant with which the estimate forgets old measurements, above 0 [s].
     """
 

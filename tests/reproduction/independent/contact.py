@@ -1,6 +1,6 @@
 """The controllers of contact."""
 
-import math
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
@@ -76,8 +76,35 @@ def _held(mass: float, damping: float, stiffness: float) -> Array:
     return np.asarray(result[:2])
 
 
-class Pursuit:
-    """The target of a force loop: how far it is moved along the desired force.
+class Tip(NamedTuple):
+    """The tip along the desired force.
+
+    Attributes:
+        position: position [m].
+        rate: velocity [m/s].
+        lag: distance of the moving tip behind its target [m].
+    """
+
+    position: float
+    rate: float
+    lag: float
+
+
+class Pursuit(Protocol):
+    """The target of a force loop: how far it is moved along the desired force."""
+
+    def move(self, desired: float, force: float, tip: Tip) -> float:
+        """The displacement of this period [m].
+
+        Args:
+            desired: desired force [N].
+            force: measured force along the desired one [N].
+            tip: measured motion of the tip.
+        """
+
+
+class SteadyPursuit:
+    """A target that moves by K_F e + K_I ∫e dt.
 
     Args:
         force_gain: K_F [m/N].
@@ -88,87 +115,19 @@ class Pursuit:
         self._gains = force_gain, integral_gain
         self._sum = 0.0
 
-    def move(self, desired: float, force: float, position: float, lag: float) -> float:
-        """The displacement of this period [m].
-
-        Args:
-            desired: desired force [N].
-            force: measured force along the desired one [N].
-            position: position of the tip along the desired force [m].
-            lag: distance of the moving tip behind its target [m].
-        """
+    def move(self, desired: float, force: float, tip: Tip) -> float:
+        """See `Pursuit.move`."""
         K_F, K_I = self._gains
         before, error = self._sum, desired - force
         self._sum += PERIOD * K_I * error
         return before + K_F * error
 
 
-class EstimatedPursuit:
-    """A target that moves at ω e/K with an estimate of the stiffness K in contact, and at v before it.
-
-    Args:
-        bandwidth: ω [rad/s].
-        approach_speed: v [m/s].
-        threshold: force at which contact begins [N].
-        initial_stiffness: stiffness at the start of a contact [N/m].
-        forgetting_time: time constant of the measurements' weights [s].
-    """
-
-    def __init__(
-        self,
-        bandwidth: float,
-        approach_speed: float,
-        threshold: float,
-        initial_stiffness: float,
-        forgetting_time: float,
-    ) -> None:
-        self._bandwidth, self._speed, self._threshold = bandwidth, approach_speed, threshold
-        self._stiffness, self._fading = initial_stiffness, math.exp(-PERIOD / forgetting_time)
-        self._sum, self._touching = 0.0, False
-        self._samples = np.zeros((3, 0))  # weights, positions, forces
-        self._spread = 0.0
-
-    def move(self, desired: float, force: float, position: float, lag: float) -> float:
-        """See `Pursuit.move`."""
-        level = min(0.5 * desired, self._threshold) * (0.5 if self._touching else 1.0)
-        contact = force > level
-        if contact and not self._touching:
-            self._sum -= max(lag, 0.0)
-        self._touching = contact
-        displacement, error = self._sum, desired - force
-        rate = self._speed if error > 0.0 else 0.0
-        if contact:
-            wanted = self._bandwidth * error / self._estimate(position, force)
-            rate = min(max(wanted, -self._speed), self._speed)
-        else:
-            self._samples, self._spread = np.zeros((3, 0)), 0.0
-        self._sum += PERIOD * rate
-        return displacement
-
-    def _estimate(self, position: float, force: float) -> float:
-        """Weighted least squares over the whole contact, from all its samples anew."""
-        samples = np.column_stack([self._samples, [1.0, position, force]])
-        faded = samples.copy()
-        faded[0, :-1] *= self._fading
-        self._samples = samples if _moments(faded)[0] < self._spread else faded
-        self._spread, together = _moments(self._samples)
-        guess = (0.05 / 5000.0) ** 2
-        slope = (together + guess * self._stiffness) / (self._spread + guess)
-        return min(max(slope, 10.0), 2e4)
-
-
-def _moments(samples: Array) -> tuple[float, float]:
-    """Weighted second moments about the means: of the positions, and of positions and forces."""
-    w, p, f = samples
-    p, f = p - (w @ p) / w.sum(), f - (w @ f) / w.sum()
-    return float(w @ (p * p)), float(w @ (p * f))
-
-
 def force_loop(
     arm: ReportArm,
     base: Path,
     desired: Array,
-    pursuit: Pursuit | EstimatedPursuit,
+    pursuit: Pursuit,
     inner: tuple[Array, Array, Array],
 ) -> Controller:
     """An inner position loop M, D, K about a motion, moved by a pursuit along the desired force."""
@@ -180,7 +139,8 @@ def force_loop(
         pose, rate, acceleration = base(now.time)
         tip = arm.tip(now.q, now.v)
         behind = K_D * (tip.jacobian @ now.v - rate) / K_P
-        move = pursuit.move(size, float(n @ now.force), float(n @ tip.pose[:3]), float(n @ behind[:3]))
+        along = Tip(*(float(n @ part) for part in (tip.pose[:3], tip.jacobian[:3] @ now.v, behind[:3])))
+        move = pursuit.move(size, float(n @ now.force), along)
         error = pose - tip.pose
         error[:3] += n * move
         wanted = acceleration + (K_D * (rate - tip.jacobian @ now.v) + K_P * error) / M_d

@@ -8,7 +8,9 @@ import numpy as np
 
 from tests.reproduction.independent import contact, free_space
 from tests.reproduction.independent.arm import Array, ReportArm
-from tests.reproduction.independent.contact import EstimatedPursuit, Pursuit
+from tests.reproduction.independent.contact import Pursuit, SteadyPursuit
+from tests.reproduction.independent.estimated import EstimatedPursuit, FittedSurface, Speeds
+from tests.reproduction.independent.free_space import PERIOD
 from tests.reproduction.independent.references import (
     GOAL,
     HOME,
@@ -107,7 +109,7 @@ STIFF_INNER = _six(1.0), _six(160.0), _six(6400.0)
 
 
 def _press(
-    pursuit: Pursuit | EstimatedPursuit,
+    pursuit: Pursuit,
     desired: float,
     wall: Wall,
     duration: float,
@@ -126,7 +128,7 @@ def _parallel(
     wall: Wall,
     at_home: bool,
     duration: float,
-    pursuit: Pursuit | EstimatedPursuit,
+    pursuit: Pursuit,
     inner: tuple[Array, Array, Array] = PARALLEL_INNER,
 ) -> Signals:
     desired = ARM.tip(np.array([-math.pi / 2, -0.1, -math.pi / 6]), np.zeros(3)).pose
@@ -139,7 +141,12 @@ def _parallel(
 _PD = np.array([50.0, 500.0, 50.0]), np.array([15.0, 150.0, 15.0])
 _PD_PRINTED = np.full(3, 50.0), np.full(3, 10.0)
 _AS_RUN = ((math.pi / 4, -0.2, math.pi / 3), *WAYPOINTS[1:])
-_estimated = partial(EstimatedPursuit, 10.0, 0.05, 0.3, 1000.0, 0.05)
+_STOP = PERIOD + 1.0 / (80.0 * math.e)  # of an inner loop with double pole -80 rad/s
+
+
+def _estimated(guess: float, speeds: Speeds) -> EstimatedPursuit:
+    return EstimatedPursuit(10.0, 0.3, speeds, FittedSurface(guess, 0.05))
+
 
 RUNS: Mapping[str, Callable[[], Signals]] = {
     "pd": partial(_pd, constant(GOAL), *_PD, 5.0),
@@ -184,16 +191,27 @@ RUNS: Mapping[str, Callable[[], Signals]] = {
     "admittance_stiff": partial(_admittance, _wall(1000.0, -0.34), False, 5.0),
     "admittance_stiff_hold": partial(_admittance, _wall(1000.0, -0.34), True, 8.0),
     "admittance_slanted": partial(_admittance, _slanted_wall(50.0, -0.2), True, 2.5),
-    "force_integral": lambda: _press(Pursuit(10.0, 5.0), 1.0, _wall(5.0, -0.44), 15.0),
-    "force_integral_base": lambda: _press(Pursuit(10.0, 5.0), 1.0, _wall(5.0, -0.44), 15.0, True),
-    "force_proportional": lambda: _press(Pursuit(10.0, 0.0), 1.0, _wall(5.0, -0.44), 15.0),
-    "force_proportional_base": lambda: _press(Pursuit(10.0, 0.0), 1.0, _wall(5.0, -0.44), 15.0, True),
-    "force_slanted": lambda: _press(Pursuit(10.0, 5.0), 1.0, _slanted_wall(5.0, -0.1), 1.0),
-    "force_estimated": lambda: _press(_estimated(), 1.0, _wall(200.0, -0.5, 4.0), 2.0, inner=STIFF_INNER),
-    "parallel": lambda: _parallel(_side_wall(50.0), False, 15.0, Pursuit(15.0, 15.0)),
-    "parallel_as_run": lambda: _parallel(_side_wall(1.0), True, 15.0, Pursuit(15.0, 15.0)),
+    "force_integral": lambda: _press(SteadyPursuit(10.0, 5.0), 1.0, _wall(5.0, -0.44), 15.0),
+    "force_integral_base": lambda: _press(SteadyPursuit(10.0, 5.0), 1.0, _wall(5.0, -0.44), 15.0, True),
+    "force_proportional": lambda: _press(SteadyPursuit(10.0, 0.0), 1.0, _wall(5.0, -0.44), 15.0),
+    "force_proportional_base": lambda: _press(SteadyPursuit(10.0, 0.0), 1.0, _wall(5.0, -0.44), 15.0, True),
+    "force_slanted": lambda: _press(SteadyPursuit(10.0, 5.0), 1.0, _slanted_wall(5.0, -0.1), 1.0),
+    "force_estimated": lambda: _press(
+        _estimated(100.0, Speeds(0.005, 0.055, 200.0, _STOP, 0.08)),
+        1.0,
+        _wall(200.0, -0.5, 8.0),
+        2.0,
+        inner=STIFF_INNER,
+    ),
+    "parallel": lambda: _parallel(_side_wall(50.0), False, 15.0, SteadyPursuit(15.0, 15.0)),
+    "parallel_as_run": lambda: _parallel(_side_wall(1.0), True, 15.0, SteadyPursuit(15.0, 15.0)),
     "parallel_estimated": lambda: _parallel(
-        _side_wall(200.0, 0.4, 4.0), False, 1.0, _estimated(), STIFF_INNER
+        # the guess of 1000 N/m is limited by the stiffest surface
+        _side_wall(200.0, 0.4, 2.0),
+        False,
+        1.0,
+        _estimated(200.0, Speeds(0.05, 0.05)),
+        STIFF_INNER,
     ),
 }
 """Every run with a check against numbers of this computation."""
