@@ -11,6 +11,7 @@ from prp_gym.cli import audit as command
 from prp_gym.cli.main import app
 from prp_gym.comparison.agents import find_agents
 from prp_gym.comparison.audit_jobs import RandomGainsJob, UnawareJob, list_audit_jobs
+from prp_gym.comparison.jobs import ControllerJob, VariedJob
 from prp_gym.runs.choice import GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.selection import Selection
@@ -34,6 +35,20 @@ def test_audit_has_all_kinds_of_policies_and_at_least_forty() -> None:
     assert {job.controller for job in drawn} >= {"force_inner_position", "parallel_force_position"}
     assert any("force_feedforward" in name for name in names)
     assert any("agent" in name for name in names)
+
+
+def test_audit_has_every_controller_also_with_its_other_stable_gains() -> None:
+    pd, inverse = "joint_pd", "joint_inverse_dynamics"
+    chosen = Selection.of(["PRP-JointTracking-v0"], ["realistic"], [pd, inverse], GainsChoice())
+    jobs = list_audit_jobs(chosen, [], 1, 0, 2)
+    compared = [job.controller.name for job in jobs if isinstance(job, ControllerJob)]
+    varied = [(job.controller.name, job.controller.gains.name) for job in jobs if isinstance(job, VariedJob)]
+    assert compared == [pd, inverse]
+    # figures of joint_pd are unstable at 500 Hz
+    assert varied == [
+        *((pd, gains) for gains in ("report", "tuned_50hz")),
+        *((inverse, gains) for gains in ("report", "figures", "fast", "tuned_50hz")),
+    ]
 
 
 def test_random_gains_differ_between_draws_and_repeat() -> None:

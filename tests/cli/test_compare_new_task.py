@@ -1,4 +1,4 @@
-"""A task that another package declares is evaluated and compared, without agents and without an audit."""
+"""A task that another package declares is evaluated and compared, and left out of the audit."""
 
 import json
 from collections.abc import Iterator
@@ -37,21 +37,27 @@ def run(command: str, folder: Path, *options: str) -> tuple[dict[str, Any], str]
     return json.loads((folder / "results.json").read_text(encoding="utf-8")), result.stdout
 
 
-def test_new_task_is_compared_without_agents_and_left_out_of_the_audit(tmp_path: Path) -> None:
+def test_new_task_is_compared_without_agents(tmp_path: Path) -> None:
     assert list_agents(ID) == []
-    content, output = run("compare", tmp_path, "--scenario", "randomized", "--audit")
+    content, output = run("compare", tmp_path, "--scenario", "randomized")
     kinds = {row["kind"] for row in content["evaluations"]}
-    assert kinds == {"controller", "varied", "floor"}
-    assert content["audits"] == content["pairwise_comparisons"] == content["efforts"] == []
+    assert kinds == {"controller", "floor"}
+    assert content["pairwise_comparisons"] == content["efforts"] == []
     assert {row["revisions"]["task"] for row in content["evaluations"]} == {4}
     assert f"{ID}, scenario randomized" in output
-    assert "rank correlation" not in output
     assert not (tmp_path / "learning.png").exists()
 
 
 def test_new_task_is_compared_with_one_controller_alone(tmp_path: Path) -> None:
     content, _ = run("compare", tmp_path, "--scenario", "report", "--baseline", "adaptive")
     assert [row["policy"] for row in content["evaluations"]] == ["adaptive", "zero_torque", "hold"]
+
+
+def test_new_task_without_criteria_is_run_but_left_out_of_the_audit(tmp_path: Path) -> None:
+    content, _ = run("audit", tmp_path, "--scenario", "randomized")
+    assert {row["kind"] for row in content["evaluations"]} == {"controller", "varied"}
+    assert {row["environment"] for row in content["evaluations"]} == {ID}
+    assert content["audits"] == []
 
 
 def test_new_task_is_evaluated_with_its_columns_and_revision(tmp_path: Path) -> None:

@@ -84,7 +84,7 @@ def test_interrupted_evaluation_says_how_many_jobs_are_kept(
         patch.setattr(JobStore, "keep", then_signal(JobStore.keep, signal.SIGTERM))
         assert run_until_exit(EVALUATE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
-    assert "interrupted: 1 of 2 jobs are kept in" in told
+    assert "interrupted: 1 of 4 jobs are kept in" in told  # two controllers, two floors
     assert "the same command goes on from there" in told
     assert [path.name for path in tmp_path.iterdir()] == ["jobs"]
     again = CliRunner().invoke(app, [*EVALUATE, "--output", str(tmp_path)])

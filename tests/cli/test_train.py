@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from prp_gym.agents.policy.agent_file import load_agent
 from prp_gym.agents.training.recipes import SEEDS
 from prp_gym.agents.training.run_folder import RunFolder
+from prp_gym.agents.training.shipped import read_groups
 from prp_gym.agents.training.train import train
 from prp_gym.cli.main import app
 from prp_gym.errors import RunFolderError
@@ -180,9 +181,25 @@ def test_evaluations_are_a_tenth_of_training_apart_unless_said(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("prp_gym.agents.training.train.is_ready", stop)
-    RUNNER.invoke(app, ["train", ID, "--output", str(tmp_path), "--set", "n_timesteps=5000"])
+    chosen = ["--action-mode", "torque", "--set", "n_timesteps=5000"]
+    RUNNER.invoke(app, ["train", ID, "--output", str(tmp_path), *chosen])
     assert (jobs[0].eval_every, jobs[0].checkpoint_every, jobs[0].eval_episodes) == (500, 500, 20)
     assert jobs[0].folder == tmp_path / GROUP / "seed_0"
+
+
+def test_default_action_mode_is_that_of_the_shipped_agents(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jobs = []
+
+    def stop(job: Any) -> bool:
+        jobs.append(job)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("prp_gym.agents.training.train.is_ready", stop)
+    RUNNER.invoke(app, ["train", ID, "--output", str(tmp_path)])
+    (shipped, *_) = (group for group in read_groups() if group.environment == ID)
+    assert (jobs[0].recipe.environment_id, jobs[0].recipe.action_mode) == (ID, shipped.action_mode)
 
 
 def test_agent_of_a_learning_preset_keeps_its_id(tmp_path: Path) -> None:

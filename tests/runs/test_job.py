@@ -20,6 +20,7 @@ from prp_gym.runs.code import running_code, source_digest
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
 from prp_gym.runs.job import JobResult, run_job
+from prp_gym.tasks.spec import TASKS
 
 REPORT = ("PRP-JointTracking-v0", "report")
 RANDOMIZED = ("PRP-JointTracking-v0", "randomized")
@@ -36,7 +37,7 @@ def test_job_gives_what_the_evaluator_gives() -> None:
     assert record["score"] == expected.score._asdict()
     assert record["seeds"] == [7, 8]
     assert record["episodes"]["energy"] == expected.metrics["energy"].tolist()
-    assert record["revisions"] == {"task": 1, "controller": 1}
+    assert record["revisions"] == {"task": TASKS[JOB.environment_id].revision, "controller": 1}
     assert (record["settings"]["gains"], record["control_period"]) == ("tuned_50hz", 0.02)
 
 

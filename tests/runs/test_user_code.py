@@ -13,10 +13,12 @@ import pytest
 from typer.testing import CliRunner
 
 from prp_gym.baselines import make_baseline
+from prp_gym.baselines.floors import FLOORS
 from prp_gym.cli.main import app
 from prp_gym.errors import GainsFileError, InvalidValueError, PRPError, UnknownNameError, UserCodeError
 from prp_gym.evaluation import evaluate
 from prp_gym.runs.user_code import UserCode
+from prp_gym.tasks.spec import TASKS
 
 RUNNER = CliRunner()
 ID = "PRP-JointTracking-v0"
@@ -123,7 +125,12 @@ def run_evaluate(name: str, *options: str) -> Any:
 
 
 def only_record(folder: str = "out") -> dict[str, Any]:
-    (record,) = json.loads(Path(folder, "results.json").read_text(encoding="utf-8"))["evaluations"]
+    """The record of the only controller; the floors are evaluated beside it, and no user's code with them."""
+    records = json.loads(Path(folder, "results.json").read_text(encoding="utf-8"))["evaluations"]
+    (record,) = (record for record in records if not record.get("floor"))
+    floors = [other for other in records if other.get("floor")]
+    assert [floor["baseline"] for floor in floors] == list(FLOORS)
+    assert not any(floor.get("code") for floor in floors)
     return dict(record)
 
 
@@ -294,8 +301,9 @@ def test_finished_job_is_reused_with_the_same_file_alone(
 ) -> None:
     monkeypatch.setattr("prp_gym.runs.store.JobStore.remove", lambda *_: None)
     assert run_evaluate("own/mine.py:Zero").stderr.strip() == ""
-    (path,) = Path("out", "jobs").iterdir()
-    text = path.read_text(encoding="utf-8")
+    texts = [path.read_text(encoding="utf-8") for path in Path("out", "jobs").iterdir()]
+    assert len(texts) == 1 + len(FLOORS)
+    (text,) = (text for text in texts if "mine.py" in text)
     key = json.loads(text)["key"]
     assert key["job"]["controller"]["sha256"] == hashlib.sha256(mine.read_bytes()).hexdigest()
     assert str(mine.parent) not in text
@@ -303,9 +311,9 @@ def test_finished_job_is_reused_with_the_same_file_alone(
     moved = tmp_path / "elsewhere" / "mine.py"
     moved.parent.mkdir()
     moved.write_bytes(mine.read_bytes())
-    assert "1 of 1 jobs were finished" in run_evaluate("elsewhere/mine.py:Zero").stderr
-    mine.write_text(SOURCE + "\n")
-    assert run_evaluate("own/mine.py:Zero").stderr.strip() == ""
+    assert "3 of 3 jobs were finished" in run_evaluate("elsewhere/mine.py:Zero").stderr
+    mine.write_text(SOURCE + "\n")  # the floors' jobs do not depend on it
+    assert "2 of 3 jobs were finished" in run_evaluate("own/mine.py:Zero").stderr
 
 
 def test_file_that_changes_under_way_is_refused(mine: Path) -> None:
@@ -323,11 +331,13 @@ def test_own_controllers_are_compared(mine: Path, monkeypatch: pytest.MonkeyPatc
     assert result.exit_code == 0, result.output
     content = json.loads(Path("out", "results.json").read_text(encoding="utf-8"))
     found = {row["policy"]: (row["kind"], row["revisions"]) for row in content["evaluations"]}
-    own = ("controller", {"task": 1, "controller": 1})
+    revisions = {"task": TASKS[ID].revision, "controller": 1}
+    own, floor = ("controller", revisions), ("floor", revisions)
     assert found == {
         "mine.py:function": own,
         "mine.py:Constant": own,
-        "zero": ("zero", {"task": 1}),
+        "zero_torque": floor,
+        "hold": floor,
     }
 
 
@@ -338,9 +348,8 @@ TUNE = ("--env", ID, "--episodes", "2", "--budget", "80", "--output", "out")
     ("name", "settings"), [("function", {"stiffness", "damping"}), ("Constant", {"level"})]
 )
 def test_own_controllers_are_tuned_and_resumed_with_the_same_file(
-    mine: Path, monkeypatch: pytest.MonkeyPatch, name: str, settings: set[str]
+    mine: Path, name: str, settings: set[str]
 ) -> None:
-    monkeypatch.setattr("prp_gym.cli.tune.VALIDATION_EPISODES", 3)
     result = run("tune", f"own/mine.py:{name}", *TUNE, "--set", f"{min(settings)}=0.3")
     assert result.exit_code == 0, result.output
     (folder,) = Path("out").iterdir()
@@ -358,8 +367,7 @@ def test_own_controllers_are_tuned_and_resumed_with_the_same_file(
     assert isinstance(other, InvalidValueError)
 
 
-def test_file_that_changed_does_not_go_on_with_a_search(mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prp_gym.cli.tune.VALIDATION_EPISODES", 3)
+def test_file_that_changed_does_not_go_on_with_a_search(mine: Path) -> None:
     assert run("tune", "own/mine.py:Constant", *TUNE).exit_code == 0
     (folder,) = Path("out").iterdir()
     mine.write_text(SOURCE + "\n")
