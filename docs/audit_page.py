@@ -16,7 +16,8 @@ _ABSENT = "-"
 
 def audit_page() -> str:
     """The page, from the stored summary."""
-    audits = json.loads(SUMMARY.read_text(encoding="utf-8"))["audits"]
+    stored = json.loads(SUMMARY.read_text(encoding="utf-8")) if SUMMARY.exists() else {"audits": []}
+    audits = stored["audits"]
     text = (
         "# Audit of the rewards\n\nA score is worth something if it ranks policies as a control engineer"
         " would. `make audit` runs, for every task in scenario `realistic`, all controllers with each of"
@@ -31,7 +32,7 @@ def audit_page() -> str:
         " below 1 where many policies are equally bad. The command fails where a reward contradicts a"
         " criterion.\n\n"
     )
-    return f"{text}{_correlations(audits)}\n{_unaware(audits)}"
+    return text + (f"{_correlations(audits)}\n{_unaware(audits)}" if audits else "No results are stored.\n")
 
 
 def _correlations(audits: list[dict[str, Any]]) -> str:
