@@ -211,7 +211,8 @@ def check_pages(folder: Path) -> None:
     assert "±(0.1, 0.02, 0.1)" in sections("action_modes.md", "###")[ACTION_MODE.name]
     metrics = sections("metrics.md", "##")
     assert f"| `{METRIC.name}` | W |" in metrics["Power"]
-    assert f"| `{TASK.name}` | joint_mean_error |" in metrics["Physical errors"]
+    for criterion in ("response_settling_time", "unsettled", "overshoot"):  # those of the joint tasks
+        assert f"| `{TASK.name}` | `{criterion}` |" in metrics["Criteria of the audit"]
     assert f"Learning algorithm: {ALGORITHM.name}, " in sections("command_line.md", "##")["prp-gym train"]
 
 

@@ -1,5 +1,6 @@
 """The example package: installed beside the suite, it is found by every command."""
 
+import itertools
 import json
 import os
 import shutil
@@ -66,13 +67,20 @@ def test_evaluate_runs_both_in_worker_processes(installed: Path, tmp_path: Path)
     options = ("--env", TASK, "--env", "PRP-JointTracking-v0", "--scenario", "report", "--jobs", "2")
     names = ("--baseline", CONTROLLER, "--baseline", "joint_pd")
     command(installed, tmp_path, "evaluate", *options, *names)
-    rows = results(tmp_path / "results")["evaluations"]
+    every = results(tmp_path / "results")["evaluations"]
+    rows = [row for row in every if not row.get("floor")]
+    floors = {(row["environment"], row["baseline"]) for row in every if row.get("floor")}
+    assert floors == set(itertools.product((TASK, "PRP-JointTracking-v0"), ("zero_torque", "hold")))
     found = {(row["environment"], row["baseline"]): row["score"]["value"] for row in rows}
     assert len(found) == 4
     for environment_id in (TASK, "PRP-JointTracking-v0"):
         assert found[environment_id, "joint_pd"] < found[environment_id, CONTROLLER] < 1.0
     assert found[TASK, CONTROLLER] > 0.98
-    assert {tuple(row["revisions"].items()) for row in rows} == {(("task", 1), ("controller", 1))}
+    revisions = {row["environment"]: row["revisions"] for row in rows}
+    assert revisions == {
+        TASK: {"task": 1, "controller": 1},
+        "PRP-JointTracking-v0": {"task": 2, "controller": 1},
+    }
     (settings,) = (row["settings"] for row in rows[:1])
     assert settings["slope"] == [20.0, 20.0, 20.0]
 
@@ -80,7 +88,8 @@ def test_evaluate_runs_both_in_worker_processes(installed: Path, tmp_path: Path)
 def test_controller_runs_on_the_single_link_too(installed: Path, tmp_path: Path) -> None:
     options = ("--env", "PRP-Adaptive-v0", "--scenario", "report", "--jobs", "1", "--baseline", CONTROLLER)
     command(installed, tmp_path, "evaluate", *options)
-    (row,) = results(tmp_path / "results")["evaluations"]
+    row, *floors = results(tmp_path / "results")["evaluations"]
+    assert [floor["baseline"] for floor in floors] == ["zero_torque", "hold"]
     assert row["settings"]["reaching_gain"] == [60.0]
     assert row["score"]["value"] > 0.9
 
@@ -90,7 +99,8 @@ def test_compare_needs_no_agents(installed: Path, tmp_path: Path) -> None:
     output = command(installed, tmp_path, "compare", *options, "--jobs", "1")
     content = results(tmp_path / "comparison")
     kinds = [(row["policy"], row["kind"]) for row in content["evaluations"]]
-    assert kinds == [(CONTROLLER, "controller"), ("joint_pd", "controller"), ("zero", "zero")]
+    controllers = [(CONTROLLER, "controller"), ("joint_pd", "controller")]
+    assert kinds == [*controllers, ("zero_torque", "floor"), ("hold", "floor")]
     assert content["pairwise_comparisons"] == []
     assert f"{TASK}, scenario report" in output
 
