@@ -19,9 +19,10 @@ M_D, K_D, K_P = (float(np.ravel(IMPEDANCE[name])[0]) for name in ("inertia", "da
 FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
 INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
 TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
-DEPTH, GAP = 0.1, 0.02  # [m] between their tips, and from that of TOUCH to the surface where sensors are tared
+DEPTH = 0.1  # [m] between their tips
+GAP = 0.02  # [m] from the tip of TOUCH to the surface where sensors are tared
 SURFACE = {"surface_normal": -INTO, "surface_offset": -0.34, "surface_damping": 5.0}  # through that of TOUCH
-# the tip reaches it after tens of readings off the surface, so that taring subtracts none of the contact force
+# the tip reaches it after tens of readings off the surface, so that taring subtracts no contact force
 BELOW = {**SURFACE, "surface_offset": -0.34 - GAP}
 FAR = {**SURFACE, "surface_offset": -5.0}
 
@@ -197,23 +198,25 @@ def test_tip_approaches_a_surface_so_many_times_as_fast(factor: float) -> None:
     assert speed == pytest.approx(factor * FORCE["approach_speed"], rel=1e-3)
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("factor", [0.25, 0.35, 0.5])
 def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
     env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
     action = action_for(env, bandwidth_factor=np.array([factor]))
     surface = {**SURFACE, "surface_stiffness": 1000.0, "desired_force": 3.0}
     env.reset(seed=0, options={"joint_position": TOUCH, **surface})
     forces = []
-    for _ in range(40):
+    for _ in range(60):
         env.step(action)
         forces.append(float(INTO @ env.task.ground_truth_layout.split(env.ground_truth)["contact_force"]))
     # on the surface from the start, taring takes readings below 2.8 σ of the sensor's noise for its bias
     assert forces[-1] == pytest.approx(3.0, abs=2.8 * 0.05)
     errors = forces[-1] - np.array(forces)
-    rate, inner = np.log(errors[7] / errors[11]) / 0.2, np.sqrt(FORCE["proportional_gain"])
-    # the slowest root of s (1 + s/p)^2 + ω_c = 0, p the inner loop's double pole; the estimated stiffness,
-    # the sampling and what is left of the other roots make a few percent
-    assert rate * (1.0 - rate / inner) ** 2 == pytest.approx(factor * FORCE["bandwidth"], rel=0.05)
+    rate, inner = np.log(errors[10] / errors[16]) / 0.3, np.sqrt(FORCE["proportional_gain"])
+    # the slowest root of s (1 + s/p)^2 + ω_c exp(-sT) = 0, p the inner loop's double pole; it is real for
+    # ω_c < 4p/27, so that the factors stay below 0.9. The delay T by measuring, holding and integrating is
+    # not below 0 and at most five periods of 0.002 s; the estimated stiffness makes 2 %
+    undelayed = rate * (1.0 - rate / inner) ** 2 / (factor * FORCE["bandwidth"])
+    assert 0.98 <= undelayed <= 1.02 * np.exp(0.01 * rate)
 
 
 def test_command_inputs_follow_the_action_with_their_time_constant() -> None:
