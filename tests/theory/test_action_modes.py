@@ -20,7 +20,10 @@ FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
 INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
 TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
 DEPTH = 0.1  # [m] between their tips
+GAP = 0.02  # [m] from the tip of TOUCH to the surface where sensors are tared
 SURFACE = {"surface_normal": -INTO, "surface_offset": -0.34, "surface_damping": 5.0}  # through that of TOUCH
+# the tip reaches it after tens of readings off the surface, so that taring subtracts no contact force
+BELOW = {**SURFACE, "surface_offset": -0.34 - GAP}
 FAR = {**SURFACE, "surface_offset": -5.0}
 
 
@@ -105,8 +108,8 @@ def test_surface_is_pressed_with_the_springs_in_series(offset: float, factor: fl
     surface, spring = 300.0, factor * K_P
     moved = np.concatenate([offset * INTO, np.zeros(2)])
     action = action_for(env, pose_offset=moved, stiffness_factor=np.full(5, factor))
-    ground_truth = steady(env, action, **SURFACE, surface_stiffness=surface, joint_position=TOUCH, goal=DEEP)
-    expected = surface * spring / (surface + spring) * (DEPTH + offset)
+    ground_truth = steady(env, action, **BELOW, surface_stiffness=surface, joint_position=TOUCH, goal=DEEP)
+    expected = surface * spring / (surface + spring) * (DEPTH - GAP + offset)
     # MuJoCo's contact is a spring to 1e-3 of its stiffness
     assert INTO @ ground_truth["contact_force"] == pytest.approx(expected, rel=3e-3)
 
@@ -115,7 +118,7 @@ def test_surface_is_pressed_with_the_springs_in_series(offset: float, factor: fl
 def test_surface_is_pressed_with_the_moved_force(offset: float) -> None:
     env = made("PRP-Force-v0", "force_position", scenario="report", control_frequency=20, duration=3.0)
     action = action_for(env, force_offset=offset * INTO)
-    surface = {**SURFACE, "surface_stiffness": 500.0, "desired_force": 3.0}
+    surface = {**BELOW, "surface_stiffness": 500.0, "desired_force": 3.0}
     ground_truth = steady(env, action, **surface, joint_position=TOUCH)
     # the integral leaves nothing but exp(-10 t) of the approach, over two seconds
     np.testing.assert_allclose(ground_truth["contact_force"], (3.0 + offset) * INTO, atol=1e-4)
@@ -195,22 +198,25 @@ def test_tip_approaches_a_surface_so_many_times_as_fast(factor: float) -> None:
     assert speed == pytest.approx(factor * FORCE["approach_speed"], rel=1e-3)
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("factor", [0.25, 0.35, 0.5])
 def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
     env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
     action = action_for(env, bandwidth_factor=np.array([factor]))
     surface = {**SURFACE, "surface_stiffness": 1000.0, "desired_force": 3.0}
     env.reset(seed=0, options={"joint_position": TOUCH, **surface})
-    errors = []
-    for _ in range(16):
+    forces = []
+    for _ in range(60):
         env.step(action)
-        errors.append(
-            3.0 - float(INTO @ env.task.ground_truth_layout.split(env.ground_truth)["contact_force"])
-        )
-    rate, inner = np.log(errors[7] / errors[11]) / 0.2, np.sqrt(FORCE["proportional_gain"])
-    # the slowest root of s (1 + s/p)^2 + ω_c = 0, p the inner loop's double pole; the estimated stiffness,
-    # the sampling and what is left of the other roots make a few percent
-    assert rate * (1.0 - rate / inner) ** 2 == pytest.approx(factor * FORCE["bandwidth"], rel=0.05)
+        forces.append(float(INTO @ env.task.ground_truth_layout.split(env.ground_truth)["contact_force"]))
+    # on the surface from the start, taring takes readings below 2.8 σ of the sensor's noise for its bias
+    assert forces[-1] == pytest.approx(3.0, abs=2.8 * 0.05)
+    errors = forces[-1] - np.array(forces)
+    rate, inner = np.log(errors[10] / errors[16]) / 0.3, np.sqrt(FORCE["proportional_gain"])
+    # the slowest root of s (1 + s/p)^2 + ω_c exp(-sT) = 0, p the inner loop's double pole; it is real for
+    # ω_c < 4p/27, so that the factors stay below 0.9. The delay T by measuring, holding and integrating is
+    # not below 0 and at most five periods of 0.002 s; the estimated stiffness makes 2 %
+    undelayed = rate * (1.0 - rate / inner) ** 2 / (factor * FORCE["bandwidth"])
+    assert 0.98 <= undelayed <= 1.02 * np.exp(0.01 * rate)
 
 
 def test_command_inputs_follow_the_action_with_their_time_constant() -> None:
