@@ -245,7 +245,7 @@ def test_other_names_do_not_exist() -> None:
 
 
 REVISIONS = {"force_inner_position": 2, "parallel_force_position": 2}
-"""Controllers whose results changed since the first revision: their estimated form tares and limits its speed."""
+"""Revision of the controllers that gave other results before taring and approach by force."""
 
 
 @pytest.mark.parametrize("controller", BASELINES)
