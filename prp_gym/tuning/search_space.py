@@ -95,7 +95,7 @@ class SearchSpace:
             name: {"range": DEFAULT_RANGE, "powers": {name: 1}} for name in centre.vectors
         }
         parameters = (item for name, row in rows.items() for item in _expand(name, row, centre))
-        return cls(centre, tuple(parameters))
+        return cls(centre, tuple(item for item in parameters if _matters(item, centre)))
 
     @property
     def start(self) -> dict[str, float]:
@@ -123,6 +123,11 @@ class SearchSpace:
                 else:
                     values[name] *= scale
         return values
+
+
+def _matters(parameter: Parameter, settings: Settings) -> bool:
+    """Whether a factor changes anything: settings of 0, such as an absent integral action, stay 0."""
+    return any(np.any(getattr(settings, name)) for name in parameter.powers)
 
 
 def _expand(name: str, row: Mapping[str, Any], settings: Settings) -> Iterator[Parameter]:

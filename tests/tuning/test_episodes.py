@@ -50,7 +50,9 @@ def test_divergence_ends_an_episode_and_its_steps() -> None:
     assert [rollout.diverged for rollout in expected.rollouts] == [True, True]
     assert steps == sum(len(rollout.reward) for rollout in expected.rollouts) < 1000
     # sums in another order
-    np.testing.assert_allclose(scores, [r.reward.sum() / 10.0 for r in expected.rollouts], rtol=1e-12)
+    np.testing.assert_allclose(
+        scores, [r.reward.sum() / r.planned_periods for r in expected.rollouts], rtol=1e-12
+    )
 
 
 class Full:

@@ -172,7 +172,9 @@ def test_controller_without_a_search_space_has_a_factor_on_each_vector_setting(g
 def test_settings_that_are_no_vectors_are_left_alone() -> None:
     spec = replace(BASELINES["operational_inverse_dynamics"], data=ControllerData())
     policy = make_baseline("operational_inverse_dynamics", environment("PRP-PoseTracking-v0"))
-    assert set(SearchSpace.of(spec, policy.settings).start) == {"proportional_gain", "derivative_gain"}
+    assert set(SearchSpace.of(spec, policy.settings).start) == {
+        *("proportional_gain", "derivative_gain", "integral_gain")
+    }
 
 
 def test_declared_limit_is_that_of_every_component(tmp_path: Path) -> None:

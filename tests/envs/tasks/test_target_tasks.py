@@ -167,7 +167,7 @@ def test_errors_are_those_from_the_model_of_tip_alpha_beta_and_the_torque(enviro
 SCALES = {  # [m] and [rad]
     "PRP-Compliance-v0": (0.01, 0.1),
     "PRP-Impedance-v0": (0.02, 0.1),
-    "PRP-Admittance-v0": (0.1, 0.4),
+    "PRP-Admittance-v0": (0.03, 0.15),
 }
 
 
