@@ -150,19 +150,32 @@ class Outcome:
     witness: str
 
 
+def run_module(tree: Path, words: Sequence[str], limit: float) -> subprocess.CompletedProcess[str] | None:
+    """Run a module as a program in a tree, with the tree's own packages; None past the limit [s].
+
+    Args:
+        tree: root of the tree.
+        words: name of the module, and its arguments.
+        limit: longest time [s].
+    """
+    command = [sys.executable, "-m", *words]
+    environment = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
+    try:
+        return subprocess.run(
+            command, cwd=tree, env=environment, capture_output=True, text=True, timeout=limit, check=False
+        )
+    except subprocess.TimeoutExpired:
+        return None
+
+
 def run_tests(tree: Path, tests: Iterable[str], limit: float = _LIMIT) -> tuple[int | None, str]:
     """Run test files of a tree up to the first failure.
 
     Returns:
         What pytest returned, None past the limit [s]; and the failed test or pytest's last line.
     """
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
-    environment = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
-    try:
-        done = subprocess.run(
-            command, cwd=tree, env=environment, capture_output=True, text=True, timeout=limit, check=False
-        )
-    except subprocess.TimeoutExpired:
+    done = run_module(tree, ["pytest", "-x", "-q", "-p", "no:cacheprovider", *tests], limit)
+    if done is None:
         return None, f"more than {limit:g} s"
     lines = [line for line in done.stdout.splitlines() if line.strip()] or ["no output"]
     failed = [line for line in lines if line.startswith(("FAILED ", "ERROR "))]

@@ -4,9 +4,6 @@ Each defect is put into a copy of the tree, and the runs of the reproduction tha
 and judged, up to the first check that fails.
 """
 
-import os
-import subprocess
-import sys
 import tempfile
 import time
 import tomllib
@@ -30,6 +27,7 @@ from bench.mutants import (
     choose,
     copy_tree,
     locate,
+    run_module,
     score_table,
 )
 from prp_gym.errors import InvalidValueError, PRPError
@@ -77,13 +75,8 @@ def judge_tree(tree: Path, runs: Sequence[str], limit: float = _LIMIT) -> tuple[
     Returns:
         What the program returned, None past the limit [s]; and the last line that it wrote.
     """
-    command = [sys.executable, "-m", "bench.judge_runs", *runs]
-    environment = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
-    try:
-        done = subprocess.run(
-            command, cwd=tree, env=environment, capture_output=True, text=True, timeout=limit, check=False
-        )
-    except subprocess.TimeoutExpired:
+    done = run_module(tree, ["bench.judge_runs", *runs], limit)
+    if done is None:
         return None, f"more than {limit:g} s"
     lines = (done.stdout or done.stderr).strip().splitlines() or ["no output"]
     crashed = done.returncode == FAILED and not done.stdout

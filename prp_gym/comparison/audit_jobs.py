@@ -1,10 +1,10 @@
 """Jobs of an audit: good and bad policies, many more than those that are compared."""
 
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -16,18 +16,17 @@ from prp_gym.baselines.degenerate import DEGENERATE
 from prp_gym.baselines.floors import FLOORS
 from prp_gym.comparison.agents import AgentFile
 from prp_gym.comparison.jobs import AgentJob, ControllerJob, VariedJob, list_varied, policy_facts
+from prp_gym.comparison.listing import FREQUENCY
 from prp_gym.comparison.values import VARIED
 from prp_gym.errors import PRPError
 from prp_gym.evaluation.evaluate import evaluate
 from prp_gym.evaluation.rollout import Policy
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import list_jobs, make_environment
+from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import Record, make_record
 from prp_gym.runs.selection import Selection
 from prp_gym.tuning import SearchSpace, start_gains
-
-FREQUENCY = 500.0
-"""Control frequency of the controllers [Hz]."""
 
 UNAWARE = {spec.name: spec for group in (FLOORS, DEGENERATE) for spec in group.values()}
 """Policies that do not attempt the task, by name."""
@@ -38,32 +37,19 @@ _TRIES = 20
 
 
 @dataclass(frozen=True)
-class UnawareJob:
-    """A policy that does not attempt the task.
+class UnawareJob(FloorJob):
+    """A policy that does not attempt the task, a floor or an exploit of the reward."""
 
-    Attributes:
-        policy: name of the policy, one of `UNAWARE`.
-        environment_id: id of the environment.
-        scenario: name of the scenario.
-        episodes: number of episodes.
-        seed: random seed of the first episode.
-    """
-
-    policy: str
-    environment_id: str
-    scenario: str
-    episodes: int
-    seed: int
+    specs: ClassVar[Mapping[str, ControllerSpec]] = UNAWARE
 
     @property
     def name(self) -> str:
-        """See `Job.name`."""
-        return f"{self.environment_id}_{self.scenario}_{self.policy}"
+        """See `Job.name`; it differs from that of an evaluation, whose records hold less."""
+        return f"{super().name}_audited"
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        with closing(make_environment(self.environment_id, self.scenario, FREQUENCY)) as env:
-            return _record(self, self.policy, UNAWARE[self.policy].make(env), env)
+        return {**super().run(controllers), **policy_facts(self.floor, VARIED)}
 
 
 @dataclass(frozen=True)
@@ -95,7 +81,10 @@ class RandomGainsJob:
         """See `Job.run`."""
         with closing(make_environment(self.environment_id, self.scenario, FREQUENCY)) as env:
             policy = self._draw(CONTROLLERS.find(self.controller), env)
-            return _record(self, f"{self.controller} (random {self.draw})", policy, env)
+            evaluation = evaluate(policy, env, self.episodes, self.seed)
+        name = f"{self.controller} (random {self.draw})"
+        record: Record = to_plain({**make_record(evaluation, name, {}, {}), **policy_facts(name, VARIED)})
+        return record
 
     def _draw(self, spec: ControllerSpec, env: gymnasium.Env[Any, Any]) -> Policy:
         """The policy; gains that the controller refuses are drawn anew."""
@@ -115,14 +104,6 @@ class RandomGainsJob:
 
 
 AuditJob = ControllerJob | VariedJob | UnawareJob | RandomGainsJob | AgentJob
-
-
-def _record(
-    job: UnawareJob | RandomGainsJob, name: str, policy: Policy, env: gymnasium.Env[Any, Any]
-) -> Record:
-    evaluation = evaluate(policy, env, job.episodes, job.seed)
-    record: Record = to_plain({**make_record(evaluation, name, {}, {}), **policy_facts(name, VARIED)})
-    return record
 
 
 def list_audit_jobs(
@@ -148,7 +129,8 @@ def list_audit_jobs(
         )
         jobs += [ControllerJob(**vars(job)) for job in own]
         jobs += [item for job in own for item in list_varied(job, selected.controllers)]
-        jobs += [UnawareJob(name, *where) for name in _runnable(environment_id, scenario)]
+        unaware = list_floors([(environment_id, scenario)], FREQUENCY, episodes, seed, UNAWARE)
+        jobs += [UnawareJob(**vars(job)) for job in unaware]
         names = [job.controller.name for job in own if job.controller.name in CONTROLLERS]
         intended = [name for name in names if environment_id in CONTROLLERS.find(name).data.intended]
         jobs += [
@@ -158,10 +140,3 @@ def list_audit_jobs(
         ]
         jobs += [AgentJob(agent, *where[1:]) for agent in agents if agent.environment_id == environment_id]
     return jobs
-
-
-def _runnable(environment_id: str, scenario: str) -> list[str]:
-    """The names of the unaware policies that run on an environment."""
-    with closing(make_environment(environment_id, scenario, FREQUENCY)) as env:
-        layout = env.unwrapped.observation_layout  # type: ignore[attr-defined]
-        return [name for name, spec in UNAWARE.items() if not spec.policy.missing_fields(layout)]

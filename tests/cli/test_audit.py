@@ -28,7 +28,7 @@ def test_audit_has_all_kinds_of_policies_and_at_least_forty() -> None:
     jobs = list_audit_jobs(selection("PRP-Force-v0"), find_agents(["PRP-Force-v0"], []), 1, 0, 30)
     names = [job.name for job in jobs]
     assert len(set(names)) == len(names) >= 40
-    unaware = {job.policy for job in jobs if isinstance(job, UnawareJob)}
+    unaware = {job.floor for job in jobs if isinstance(job, UnawareJob)}
     assert unaware == {"zero_torque", "hold", "hover", "press_the_stop", "maximum_torque"}
     drawn = [job for job in jobs if isinstance(job, RandomGainsJob)]
     assert len(drawn) == 30
@@ -63,7 +63,9 @@ def test_random_gains_differ_between_draws_and_repeat() -> None:
 def test_too_few_policies_fail_and_the_results_are_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    jobs = [UnawareJob(name, ID, "realistic", 2, 0) for name in ("zero_torque", "hold", "maximum_torque")]
+    jobs = [
+        UnawareJob(ID, "realistic", name, 500.0, 2, 0) for name in ("zero_torque", "hold", "maximum_torque")
+    ]
     monkeypatch.setattr(command, "list_audit_jobs", lambda *_: jobs)
     options = ["audit", "--env", ID, "--episodes", "2", "--jobs", "1", "--output", str(tmp_path / "audit")]
     result = RUNNER.invoke(app, options)
