@@ -154,7 +154,8 @@ class ScheduledGain(ForceIntegral):
     from 0 at the touch, and wherever an actuator was at its limit. On a surface of stiffness K and damping D
     the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
     Without the low pass a damping above about 2 K/ω_c makes the loop unstable, since the damper passes the
-    speed of the target on to the force at once.
+    speed of the target on to the force at once. K̂ stands for the estimate's upper bound K̂ + 2 σ_K, so that
+    the first samples of a touch, in which noise may hide the stiffness, never make the target fast.
 
     When contact begins, x_F is reduced by the lag of the inner loop in the approach: the tip brakes at once,
     and the part of x_F that balances a disturbance stays. The force then peaks below
@@ -206,7 +207,7 @@ class ScheduledGain(ForceIntegral):
             contact[..., 0],
         )
         surface = self.estimator.surface(estimate)
-        stiffness, period = surface.stiffness[..., None], self.estimator.period
+        stiffness, period = surface.upper_stiffness[..., None], self.estimator.period
         delay = np.maximum(
             surface.damping[..., None] / stiffness, self.least_delay / max(self.bandwidth, 1e-9)
         )

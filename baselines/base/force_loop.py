@@ -101,7 +101,7 @@ class ForceLoopSettings(ForceSensingSettings):
         if self.stiffness == "fixed":
             return FixedGains(self.force_gain, self.integral_gain, period)
         guess = min(self.initial_stiffness, greatest_stiffness)
-        estimator = StiffnessEstimator(guess, self.forgetting_time, period)
+        estimator = StiffnessEstimator(guess, self.forgetting_time, period, greatest_stiffness)
         speed = self._speed(period, greatest_stiffness)
         return ScheduledGain(self.bandwidth, speed, self.contact_threshold, estimator)
 

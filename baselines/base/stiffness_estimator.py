@@ -21,10 +21,14 @@ class EstimatedSurface(NamedTuple):
     Attributes:
         stiffness: K̂ (...) [N/m].
         damping: D̂ (...), at least 0 [N s/m].
+        deviation: standard deviation σ_K (...) of K̂ at a given D̂, above 0 [N/m].
+        upper_stiffness: K̂ + 2 σ_K (...), but no more than a surface can have, nor less than K̂ [N/m].
     """
 
     stiffness: Array
     damping: Array
+    deviation: Array
+    upper_stiffness: Array
 
 
 @dataclass(frozen=True)
@@ -37,15 +41,18 @@ class StiffnessEstimator:
     follows from it and is limited to `allowed`. So the guess K_0 counts as much as a spread s_p of positions,
     and a constant bias of the force sensor is part of c and leaves K̂ alone. The weights fade with a time
     constant, but only in periods that bring at least as much spread as fading takes: a tip at rest neither
-    changes the estimate nor makes it forget.
+    changes the estimate nor makes it forget. With force noise σ_f the standard deviation of K̂ at a given D̂ is
+    σ_K = σ_f/√(S_pp + s_p): the first samples of a touch say little, and K̂ may then be far too small.
 
     Attributes:
         initial_stiffness: initial guess K_0, above 0 [N/m].
         forgetting_time: time constant of the weights, above 0 [s].
         period: time between two measurements [s].
+        greatest_stiffness: greatest stiffness of a surface; infinite if unknown [N/m].
         allowed: least and largest K̂ [N/m].
         dampings: least and largest D̂ [N s/m].
-        guess_spread: weight s_p of the guess [m^2], for force noise of 0.05 N and a guess within 5000 N/m.
+        force_noise: standard deviation σ_f of the force sensor's noise [N].
+        guess_spread: weight s_p of the guess [m^2], for that noise and a guess within 5000 N/m.
         damping_spread: weight s_r of no damping [m^2/s^2], for the same noise and dampings within 10 N s/m.
 
     Raises:
@@ -57,11 +64,13 @@ class StiffnessEstimator:
     initial_stiffness: float
     forgetting_time: float
     period: float
+    greatest_stiffness: float = math.inf
 
     allowed: ClassVar[tuple[float, float]] = (1.0, 2e4)
     dampings: ClassVar[tuple[float, float]] = (0.0, 100.0)
-    guess_spread: ClassVar[float] = (0.05 / 5000.0) ** 2
-    damping_spread: ClassVar[float] = (0.05 / 10.0) ** 2
+    force_noise: ClassVar[float] = 0.05
+    guess_spread: ClassVar[float] = (force_noise / 5000.0) ** 2
+    damping_spread: ClassVar[float] = (force_noise / 10.0) ** 2
 
     def __post_init__(self) -> None:
         for name, unit in (("initial_stiffness", "N/m"), ("forgetting_time", "s"), ("period", "s")):
@@ -99,13 +108,16 @@ class StiffnessEstimator:
         return np.where(contact[..., None], after, memory)
 
     def surface(self, memory: Array) -> EstimatedSurface:
-        """K̂ and D̂ (...)."""
+        """K̂, D̂, σ_K and the upper bound on the stiffness (...)."""
         spread, cross = memory[..., _PP] + self.guess_spread, memory[..., _PR]
         learned = memory[..., _PF] + self.guess_spread * self.initial_stiffness
         rates = memory[..., _RR] + self.damping_spread
         determinant = np.maximum(spread * rates - cross * cross, self.guess_spread * self.damping_spread)
         damping = np.clip((memory[..., _RF] * spread - cross * learned) / determinant, *self.dampings)
-        return EstimatedSurface(np.clip((learned - cross * damping) / spread, *self.allowed), damping)
+        stiffness = np.clip((learned - cross * damping) / spread, *self.allowed)
+        deviation = self.force_noise / np.sqrt(spread)
+        upper = np.maximum(stiffness, np.minimum(stiffness + 2.0 * deviation, self.greatest_stiffness))
+        return EstimatedSurface(stiffness, damping, deviation, upper)
 
     def stiffness(self, memory: Array) -> Array:
         """K̂ (...) [N/m]."""

@@ -138,9 +138,8 @@ def test_tuned_tolerates_model_errors_sensor_errors_and_a_one_step_actuation_del
     np.testing.assert_allclose(late.mean(axis=0), cases.force, atol=0.02)
     # and trembles with the noise of 0.05 N that the compensation hands to the torques
     assert late.std(axis=0).max() < 0.05
-    # at 30 % too little or too much mass the inner loop brakes later; in one case of forty noise is taken for
-    # a contact, after which the approach is too fast
-    assert np.count_nonzero(force.max(axis=0) >= 1.1 * cases.force + 0.5) <= 1
+    # at 30 % too little or too much mass the inner loop brakes later; the rest is noise of 0.05 N
+    assert (force.max(axis=0) < 1.15 * cases.force + 0.1).all()
     touching = force > 0.0
     assert np.count_nonzero(touching[:-1] & ~touching[1:], axis=0).max() <= 1
 

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 FORCE_CONTROLLERS = ("force_inner_position", "parallel_force_position")
 GAINS = ("report", "tuned")
-ESTIMATOR = StiffnessEstimator(5000.0, 0.5, 0.002)
+ESTIMATOR = StiffnessEstimator(5000.0, 0.5, 0.002, greatest_stiffness=5000.0)
 OUTER = ScheduledGain(10.0, FixedSpeed(0.03, 0.03), 0.4, ESTIMATOR)
 STILL = TipMotion(np.zeros(3), np.zeros(3), np.zeros(3))
 ALONG_X = np.array([1.0, 0.0, 0.0])
@@ -168,6 +168,14 @@ def test_contact_rate_is_the_error_over_the_estimate_and_limited() -> None:
         memory = (np.zeros(3), np.ones(1), smooth, ESTIMATOR.begin(()))
         _, after = OUTER.step(memory, error(desired, 1.0), STILL)
         np.testing.assert_allclose(after[0][0], 0.002 * rate, rtol=1e-12)
+
+
+def test_contact_rate_allows_for_the_uncertainty_of_the_estimate() -> None:
+    # before the first measurement σ_K = 0.05 N / 1e-5 m: K̂ + 2 σ_K = 15,000 N/m
+    uncertain = replace(OUTER, estimator=replace(ESTIMATOR, greatest_stiffness=np.inf))
+    memory = (np.zeros(3), np.ones(1), np.array([2.0]), ESTIMATOR.begin(()))
+    _, after = uncertain.step(memory, error(3.0, 1.0), STILL)
+    np.testing.assert_allclose(after[0][0], 0.002 * 10.0 * 2.0 / 15000.0, rtol=1e-12)
 
 
 def test_error_passes_a_low_pass_whose_time_constant_is_damping_over_stiffness() -> None:

@@ -149,3 +149,27 @@ def test_number_that_is_not_positive_is_refused(name: str) -> None:
     numbers = {"initial_stiffness": 1.0, "forgetting_time": 1.0, "period": 1.0, name: 0.0}
     with pytest.raises(InvalidValueError, match=name):
         StiffnessEstimator(**numbers)
+
+
+def test_deviation_is_the_spread_of_estimates_over_noise() -> None:
+    draws, samples = 4000, 12
+    p = np.tile(0.4 + 0.00004 * np.arange(samples)[:, None], draws)
+    noise = ESTIMATOR.force_noise * np.random.default_rng(3).standard_normal(p.shape)
+    # a slow touch: damping has no part in it, and the estimate stays within its bounds
+    estimate = ESTIMATOR.surface(learn(p, 9000.0 * (p - 0.4) + noise, rate=np.zeros(p.shape)))
+    assert ESTIMATOR.allowed[0] < estimate.stiffness.min() < estimate.stiffness.max() < ESTIMATOR.allowed[1]
+    # the guess pulls the mean by 4 %; 4000 draws give their deviation within 4 %, three times 1/sqrt(8000);
+    # forgetting makes the samples' weights unequal, by 2 % from first to last
+    np.testing.assert_allclose(estimate.stiffness.std(), estimate.deviation[0], rtol=0.05)
+    np.testing.assert_allclose(estimate.upper_stiffness, estimate.stiffness + 2.0 * estimate.deviation)
+
+
+def test_upper_bound_is_no_more_than_a_surface_can_have_nor_less_than_the_estimate() -> None:
+    p = press(0.00004, 3)
+    memory = learn(p, 300.0 * (p - 0.4))
+    for greatest in (1.0, 400.0, 1e4):
+        estimate = StiffnessEstimator(GUESS, 0.5, 0.002, greatest).surface(memory)
+        expected = max(
+            estimate.stiffness[0], min(estimate.stiffness[0] + 2.0 * estimate.deviation[0], greatest)
+        )
+        assert estimate.upper_stiffness[0] == expected

@@ -19,9 +19,11 @@ class FittedSurface:
     Args:
         guess: stiffness before any sample [N/m].
         forgetting_time: time constant of the samples' weights [s].
+        stiffest: stiffness of the stiffest surface that is expected [N/m].
     """
 
-    def __init__(self, guess: float, forgetting_time: float) -> None:
+    def __init__(self, guess: float, forgetting_time: float, stiffest: float) -> None:
+        self._stiffest = stiffest
         self._guess, self._fading = guess, math.exp(-PERIOD / forgetting_time)
         self._weights, self._samples = np.zeros(0), np.zeros((0, 3))
         self._spread = 0.0
@@ -35,7 +37,10 @@ class FittedSurface:
         self._spread = self._spread_with(self._weights)
 
     def stiffness_and_damping(self) -> tuple[float, float]:
-        """K [N/m] and D [N s/m]: D at least 0 and at most 100, K between 1 and 20,000."""
+        """K [N/m] and D [N s/m]: D at least 0 and at most 100, K between 1 and 20,000.
+
+        Two standard deviations are added to K, as far as the stiffest surface.
+        """
         roots = np.sqrt(self._weights)[:, None]
         deviations = roots * self._deviations(self._weights)
         priors = np.diag(np.sqrt([_GUESS_WEIGHT, _DAMPING_WEIGHT]))
@@ -44,8 +49,10 @@ class FittedSurface:
         damping = float(np.linalg.lstsq(columns, forces)[0][1])
         damping = min(max(damping, 0.0), 100.0)
         remaining = forces - columns[:, 1] * damping
-        stiffness = float(columns[:, 0] @ remaining / (columns[:, 0] @ columns[:, 0]))
-        return min(max(stiffness, 1.0), 2e4), damping
+        information = float(columns[:, 0] @ columns[:, 0])
+        stiffness = float(columns[:, 0] @ remaining / information)
+        stiffness = min(max(stiffness, 1.0), 2e4)
+        return max(stiffness, min(stiffness + 0.1 / math.sqrt(information), self._stiffest)), damping
 
     def _spread_with(self, weights: Array) -> float:
         return float(weights @ self._deviations(weights)[:, 0] ** 2)

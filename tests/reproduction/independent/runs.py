@@ -145,7 +145,7 @@ _STOP = PERIOD + 1.0 / (80.0 * math.e)  # of an inner loop with double pole -80 
 
 
 def _estimated(guess: float, speeds: Speeds) -> EstimatedPursuit:
-    return EstimatedPursuit(10.0, 0.3, speeds, FittedSurface(guess, 0.05))
+    return EstimatedPursuit(10.0, 0.3, speeds, FittedSurface(guess, 0.05, 200.0))
 
 
 RUNS: Mapping[str, Callable[[], Signals]] = {
