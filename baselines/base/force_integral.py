@@ -7,7 +7,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from prp_gym.baselines.base.approach_speed import ApproachSpeed
-from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
+from prp_gym.baselines.base.stiffness_estimator import EstimatedSurface, StiffnessEstimator
 from prp_gym.robot.arrays import Array, dot, norm
 
 Memory = tuple[Array, ...]
@@ -148,14 +148,14 @@ class FixedGains(ForceIntegral):
 
 @dataclass(frozen=True)
 class ScheduledGain(ForceIntegral):
-    """ẋ_F = n ω_c e_D/K̂ in contact, n v before it where a force is desired; never faster than v(K̂).
+    """ẋ_F = n ω_c e_D/K̂ in contact, at most v; n v before it where a force is desired.
 
     e_D is the error e behind a low pass with the time constant D̂/K̂, or 0.2/ω_c if that is more; it starts
     from 0 at the touch, and wherever an actuator was at its limit. On a surface of stiffness K and damping D
     the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
     Without the low pass a damping above about 2 K/ω_c makes the loop unstable, since the damper passes the
-    speed of the target on to the force at once. K̂ stands for the estimate's upper bound K̂ + 2 σ_K, so that
-    the first samples of a touch, in which noise may hide the stiffness, never make the target fast.
+    speed of the target on to the force at once. The limit is v(K̂ + 8 σ_K): the first samples of a touch, in
+    which noise may hide the stiffness, do not make the target fast.
 
     When contact begins, x_F is reduced by the lag of the inner loop in the approach: the tip brakes at once,
     and the part of x_F that balances a disturbance stays. The force then peaks below
@@ -207,13 +207,13 @@ class ScheduledGain(ForceIntegral):
             contact[..., 0],
         )
         surface = self.estimator.surface(estimate)
-        stiffness, period = surface.upper_stiffness[..., None], self.estimator.period
+        stiffness, period = surface.stiffness[..., None], self.estimator.period
         delay = np.maximum(
             surface.damping[..., None] / stiffness, self.least_delay / max(self.bandwidth, 1e-9)
         )
         smooth = np.where(contact, memory[2] + period / (period + delay) * (error.value - memory[2]), 0.0)
         phase = np.where(contact, _TOUCHING, np.where(phase == _NEVER, _NEVER, _LOST))
-        rate = self._rate(error, smooth, phase, stiffness, rate_scaling)
+        rate = self._rate(error, smooth, phase, surface, rate_scaling)
         after = displacement + period * error.axis * rate
         return displacement, (after, phase, smooth, estimate)
 
@@ -222,11 +222,17 @@ class ScheduledGain(ForceIntegral):
         return np.minimum(half, self.contact_threshold)
 
     def _rate(
-        self, error: ForceError, smooth: Array, phase: Array, stiffness: Array, rate_scaling: RateScaling
+        self,
+        error: ForceError,
+        smooth: Array,
+        phase: Array,
+        surface: EstimatedSurface,
+        rate_scaling: RateScaling,
     ) -> Array:
         """ẋ_F along the axis (..., 1) [m/s]."""
-        wanted = self.bandwidth * rate_scaling.bandwidth / stiffness
-        limit = rate_scaling.approach * self.speed.in_contact(error.desired, stiffness)
+        wanted = self.bandwidth * rate_scaling.bandwidth / surface.stiffness[..., None]
+        stiffest = surface.upper_stiffness[..., None]
+        limit = rate_scaling.approach * self.speed.in_contact(error.desired, stiffest)
         touching = np.clip(wanted * smooth, -limit, limit)
         first = rate_scaling.approach * self.speed.before_contact(error.desired, self._threshold(error))
         again = np.minimum(np.maximum(wanted * error.value, self.speed.least), first)

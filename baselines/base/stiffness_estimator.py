@@ -22,7 +22,7 @@ class EstimatedSurface(NamedTuple):
         stiffness: K̂ (...) [N/m].
         damping: D̂ (...), at least 0 [N s/m].
         deviation: standard deviation σ_K (...) of K̂ at a given D̂, above 0 [N/m].
-        upper_stiffness: K̂ + 2 σ_K (...), but no more than a surface can have, nor less than K̂ [N/m].
+        upper_stiffness: K̂ + 8 σ_K (...), but no more than a surface can have, nor less than K̂ [N/m].
     """
 
     stiffness: Array
@@ -52,6 +52,8 @@ class StiffnessEstimator:
         allowed: least and largest K̂ [N/m].
         dampings: least and largest D̂ [N s/m].
         force_noise: standard deviation σ_f of the force sensor's noise [N].
+        caution: number of standard deviations to the upper bound, above the usual 2 since the braking of the
+            tip and the delay of the sensor falsify the first samples of a touch as much as noise does.
         guess_spread: weight s_p of the guess [m^2], for that noise and a guess within 5000 N/m.
         damping_spread: weight s_r of no damping [m^2/s^2], for the same noise and dampings within 10 N s/m.
 
@@ -69,6 +71,7 @@ class StiffnessEstimator:
     allowed: ClassVar[tuple[float, float]] = (1.0, 2e4)
     dampings: ClassVar[tuple[float, float]] = (0.0, 100.0)
     force_noise: ClassVar[float] = 0.05
+    caution: ClassVar[float] = 8.0
     guess_spread: ClassVar[float] = (force_noise / 5000.0) ** 2
     damping_spread: ClassVar[float] = (force_noise / 10.0) ** 2
 
@@ -116,8 +119,8 @@ class StiffnessEstimator:
         damping = np.clip((memory[..., _RF] * spread - cross * learned) / determinant, *self.dampings)
         stiffness = np.clip((learned - cross * damping) / spread, *self.allowed)
         deviation = self.force_noise / np.sqrt(spread)
-        upper = np.maximum(stiffness, np.minimum(stiffness + 2.0 * deviation, self.greatest_stiffness))
-        return EstimatedSurface(stiffness, damping, deviation, upper)
+        upper = np.minimum(stiffness + self.caution * deviation, self.greatest_stiffness)
+        return EstimatedSurface(stiffness, damping, deviation, np.maximum(stiffness, upper))
 
     def stiffness(self, memory: Array) -> Array:
         """K̂ (...) [N/m]."""

@@ -170,12 +170,13 @@ def test_contact_rate_is_the_error_over_the_estimate_and_limited() -> None:
         np.testing.assert_allclose(after[0][0], 0.002 * rate, rtol=1e-12)
 
 
-def test_contact_rate_allows_for_the_uncertainty_of_the_estimate() -> None:
-    # before the first measurement σ_K = 0.05 N / 1e-5 m: K̂ + 2 σ_K = 15,000 N/m
-    uncertain = replace(OUTER, estimator=replace(ESTIMATOR, greatest_stiffness=np.inf))
+def test_speed_limit_in_contact_allows_for_the_uncertainty_of_the_estimate() -> None:
+    estimator = replace(ESTIMATOR, initial_stiffness=100.0)
+    outer = replace(OUTER, speed=SpeedForForce(5000.0, 0.005, 0.0, 0.25), estimator=estimator)
     memory = (np.zeros(3), np.ones(1), np.array([2.0]), ESTIMATOR.begin(()))
-    _, after = uncertain.step(memory, error(3.0, 1.0), STILL)
-    np.testing.assert_allclose(after[0][0], 0.002 * 10.0 * 2.0 / 15000.0, rtol=1e-12)
+    _, after = outer.step(memory, error(3.0, 1.0), STILL)
+    # before the first measurement σ_K = 0.05 N / 1e-5 m, so that the surface may be the stiffest, of 5000 N/m
+    np.testing.assert_allclose(after[0][0], 0.002 * 3.0 / (5000.0 * 0.005), rtol=1e-12)
 
 
 def test_error_passes_a_low_pass_whose_time_constant_is_damping_over_stiffness() -> None:

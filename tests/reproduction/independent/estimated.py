@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,20 @@ from tests.reproduction.independent.free_space import PERIOD
 
 _GUESS_WEIGHT = (0.05 / 5000.0) ** 2  # [m^2]
 _DAMPING_WEIGHT = (0.05 / 10.0) ** 2  # [m^2/s^2]
+
+
+class Fit(NamedTuple):
+    """A fitted surface.
+
+    Attributes:
+        stiffness: K [N/m].
+        damping: D [N s/m].
+        bound: K and eight standard deviations, as far as the stiffest surface [N/m].
+    """
+
+    stiffness: float
+    damping: float
+    bound: float
 
 
 class FittedSurface:
@@ -36,11 +51,8 @@ class FittedSurface:
         self._weights = faded if self._spread_with(faded) >= self._spread else kept
         self._spread = self._spread_with(self._weights)
 
-    def stiffness_and_damping(self) -> tuple[float, float]:
-        """K [N/m] and D [N s/m]: D at least 0 and at most 100, K between 1 and 20,000.
-
-        Two standard deviations are added to K, as far as the stiffest surface.
-        """
+    def fit(self) -> Fit:
+        """The fit with D at least 0 and at most 100, K between 1 and 20,000."""
         roots = np.sqrt(self._weights)[:, None]
         deviations = roots * self._deviations(self._weights)
         priors = np.diag(np.sqrt([_GUESS_WEIGHT, _DAMPING_WEIGHT]))
@@ -50,9 +62,9 @@ class FittedSurface:
         damping = min(max(damping, 0.0), 100.0)
         remaining = forces - columns[:, 1] * damping
         information = float(columns[:, 0] @ columns[:, 0])
-        stiffness = float(columns[:, 0] @ remaining / information)
-        stiffness = min(max(stiffness, 1.0), 2e4)
-        return max(stiffness, min(stiffness + 0.1 / math.sqrt(information), self._stiffest)), damping
+        stiffness = min(max(float(columns[:, 0] @ remaining) / information, 1.0), 2e4)
+        bound = min(stiffness + 8.0 * 0.05 / math.sqrt(information), self._stiffest)
+        return Fit(stiffness, damping, max(stiffness, bound))
 
     def _spread_with(self, weights: Array) -> float:
         return float(weights @ self._deviations(weights)[:, 0] ** 2)
@@ -130,10 +142,10 @@ class EstimatedPursuit:
 
     def _pressing(self, desired: float, error: float) -> float:
         """Speed of the target in contact [m/s]; the low pass is integrated implicitly."""
-        stiffness, damping = self._surface.stiffness_and_damping()
+        stiffness, damping, bound = self._surface.fit()
         delay = max(damping / stiffness, 0.2 / self._bandwidth)
         self._smooth = (delay * self._smooth + PERIOD * error) / (delay + PERIOD)
-        limit = self._speeds.contact(desired, stiffness)
+        limit = self._speeds.contact(desired, bound)
         return min(max(self._bandwidth * self._smooth / stiffness, -limit), limit)
 
     def _free(self, desired: float, threshold: float, error: float) -> float:
@@ -143,5 +155,5 @@ class EstimatedPursuit:
         first = self._speeds.approach(desired, threshold)
         if not self._touched:
             return first
-        back = self._bandwidth * error / self._surface.stiffness_and_damping()[0]
+        back = self._bandwidth * error / self._surface.fit().stiffness
         return min(max(back, self._speeds.least), first)
