@@ -39,8 +39,8 @@ class ForceInnerPositionController(ForceLoop[ForceInnerPositionSettings]):
     K K_I < (K_D/M_d)(1 + K K_F), without K_F for K K_I < K_D/M_d. Held over dt, K_P (1 + K K_F) dt must
     stay below 2 K_D too: the report's gains are stable up to 200 N/m at 500 Hz. A K_I that suits 50 N/m is
     therefore unstable on 5000 N/m, and one that suits 5000 N/m is a hundred times too slow on 50 N/m. The
-    estimated form uses ω_c/K̂ in place of K_I, with K_F = 0: stable for ω_c K/K̂ < K_D/M_d, however stiff
-    the surface.
+    estimated form uses ω_c/K̂ in place of K_I, with K_F = 0, and predicts the force at which the inner loop
+    comes to rest: with K̂ = K it is stable for every ω_c if K_D² > M_d K_P, however stiff the surface.
 
     Source: [S] 9.4.1; [R] 14.
     """

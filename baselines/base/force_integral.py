@@ -150,9 +150,12 @@ class FixedGains(ForceIntegral):
 class ScheduledGain(ForceIntegral):
     """ẋ_F = n ω_c e_D/K̂ in contact, at most v; n v before it where a force is desired.
 
-    e_D is the error e behind a low pass with the time constant D̂/K̂, or 0.2/ω_c if that is more; it starts
-    from 0 at the touch, and wherever an actuator was at its limit. On a surface of stiffness K and damping D
-    the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
+    e_D is the predicted error e - K̂ n·l behind a low pass with the time constant D̂/K̂, or 0.2/ω_c if that is
+    more; it starts from 0 at the touch, and wherever an actuator was at its limit. l = (K_D/K_P) ẋ is the
+    distance that the inner loop has yet to go when its target stops. On a surface of stiffness K and damping
+    D the force error decays as exp(-ω_c K/K̂ t): after the estimates K̂ and D̂, equally fast on all surfaces.
+    With K̂ = K and without the low pass the loop is M_d s³ + K_D s² + (K_P + ω_c K_D) s + ω_c K_P: by Routh it
+    is stable for every ω_c if K_D² > M_d K_P, while without the prediction ω_c < K_D/M_d is needed.
     Without the low pass a damping above about 2 K/ω_c makes the loop unstable, since the damper passes the
     speed of the target on to the force at once. The limit is v(K̂ + 8 σ_K): the first samples of a touch, in
     which noise may hide the stiffness, do not make the target fast.
@@ -211,7 +214,8 @@ class ScheduledGain(ForceIntegral):
         delay = np.maximum(
             surface.damping[..., None] / stiffness, self.least_delay / max(self.bandwidth, 1e-9)
         )
-        smooth = np.where(contact, memory[2] + period / (period + delay) * (error.value - memory[2]), 0.0)
+        predicted = error.value - stiffness * error.along(tip.lag)
+        smooth = np.where(contact, memory[2] + period / (period + delay) * (predicted - memory[2]), 0.0)
         phase = np.where(contact, _TOUCHING, np.where(phase == _NEVER, _NEVER, _LOST))
         rate = self._rate(error, smooth, phase, surface, rate_scaling)
         after = displacement + period * error.axis * rate

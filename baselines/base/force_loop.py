@@ -46,6 +46,7 @@ class ForceLoopSettings(ForceSensingSettings):
             the stiffest surface that the task declares.
         approach_speed: largest speed v_max of the estimated form's position target [m/s].
         least_approach_speed: least speed v_min of an approach that follows from the force [m/s].
+        approach_deceleration: a, with which the actuators can brake the tip, above 0 [m/s^2].
         approach_factor: η, factor on the speed that follows from the force [1].
         contact_threshold: force from which the estimated form assumes contact [N].
         initial_stiffness: stiffness estimate before the first contact, above 0 [N/m]; the greatest stiffness
@@ -63,6 +64,7 @@ class ForceLoopSettings(ForceSensingSettings):
     approach: str = "fixed"
     approach_speed: float = 0.03
     least_approach_speed: float = 0.0
+    approach_deceleration: float = 20.0
     approach_factor: float = 1.0
     contact_threshold: float = 0.4
     initial_stiffness: float = 5000.0
@@ -80,6 +82,7 @@ class ForceLoopSettings(ForceSensingSettings):
         "bandwidth": "rad/s",
         "approach_speed": "m/s",
         "least_approach_speed": "m/s",
+        "approach_deceleration": "m/s²",
         "approach_factor": "1",
         "contact_threshold": "N",
         "initial_stiffness": "N/m",
@@ -113,7 +116,8 @@ class ForceLoopSettings(ForceSensingSettings):
         least = min(self.least_approach_speed, largest)
         gain, inertia = self.proportional_gain[:3], self.inertia[:3]
         delay = max(braking_time(period, *axis) for axis in zip(gain, inertia, strict=True))
-        return SpeedForForce(greatest_stiffness, delay, least, largest, self.approach_factor)
+        stop = self.approach_deceleration
+        return SpeedForForce(greatest_stiffness, delay, stop, least, largest, self.approach_factor)
 
 
 SettingsT = TypeVar("SettingsT", bound=ForceLoopSettings)

@@ -14,7 +14,8 @@ Memory = tuple[Array, ...]
 
 _TARE, _COUNT, _SUM, _NEW = slice(0, 3), slice(3, 4), slice(4, 7), slice(7, 8)
 _EXCESS, _TOUCH, _POINT, _DIRECTION = slice(8, 9), slice(9, 10), slice(10, 13), slice(13, 16)
-_SIZE = 16
+_LATER, _EARLIER, _AGE = slice(16, 20), slice(20, 24), slice(24, 25)  # former tares with their counts
+_SIZE = 25
 
 
 class Taring(ABC):
@@ -66,7 +67,8 @@ class TaringUntilContact(Taring):
     the sensor's noise σ on each axis: it is seen when s exceeds 4 σ. Noise alone has |f| = 1.6 σ on average,
     so that s returns to 0 every few periods, and exceeds 4 σ about once in 10⁸ of them; a force of 7 σ is
     seen at once, a lasting force above 2.3 σ within some periods. Readings count for b̂ only once s is 0
-    again after them: what a slowly growing contact force adds, until it is seen, is dropped.
+    again after them, and at the touch b̂ goes back to what it was some readings before, if there were so many:
+    what a slowly growing contact force adds, until it is seen, is dropped.
 
     A first reading above the largest bias is a touch, and nothing is subtracted. A contact force that acts
     from the first reading on and is below that cannot be told from a bias, and is subtracted.
@@ -76,6 +78,7 @@ class TaringUntilContact(Taring):
         largest_bias: largest magnitude of the sensor's bias [N].
         largest_count: number of readings from which b̂ forgets: later ones weigh as much as this number would
             give them. Infinite for a bias that stays.
+        held_back: number of readings before the touch that are dropped; up to twice as many are.
 
     Source: Page 1954, the cumulative sum test.
     """
@@ -83,6 +86,7 @@ class TaringUntilContact(Taring):
     noise: float
     largest_bias: float
     largest_count: float = math.inf
+    held_back: int = 15
 
     arrays: ClassVar[int] = 1
     allowance: ClassVar[float] = 2.8
@@ -104,6 +108,7 @@ class TaringUntilContact(Taring):
         seen = ~touched & ((excess > self.decision * spread) | ((count == 0.0) & ~first))
         touched |= seen
         self._learn(after, reading, excess, touched)
+        self._go_back(after, seen)
         after[..., _TOUCH] = touched
         after[..., _POINT] = np.where(seen, tip, after[..., _POINT])
         after[..., _DIRECTION] = np.where(seen, force / np.maximum(size, 1e-12), after[..., _DIRECTION])
@@ -124,6 +129,17 @@ class TaringUntilContact(Taring):
         after[..., _SUM] = np.where(accepted | touched, 0.0, total)
         after[..., _NEW] = np.where(accepted | touched, 0.0, new)
         after[..., _EXCESS] = np.where(touched, 0.0, excess)
+
+    def _go_back(self, after: Array, seen: NDArray[np.bool_]) -> None:
+        """Restore the former b̂ at the touch, and remember the present one from time to time; in place."""
+        tare = slice(_TARE.start, _COUNT.stop)
+        former = seen & (after[..., _EARLIER][..., 3:] > 0.0)
+        after[..., tare] = np.where(former, after[..., _EARLIER], after[..., tare])
+        after[..., _AGE] += 1.0
+        due = after[..., _AGE] >= self.held_back
+        after[..., _EARLIER] = np.where(due, after[..., _LATER], after[..., _EARLIER])
+        after[..., _LATER] = np.where(due, after[..., tare], after[..., _LATER])
+        after[..., _AGE] = np.where(due, 0.0, after[..., _AGE])
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,7 @@ class Speeds:
         stiffest: stiffness of the stiffest surface that is expected [N/m].
         stop: time in which the tip comes to rest after the touch [s].
         factor: factor on the speed of the approach.
+        braking: acceleration with which the tip can be stopped [m/s^2].
     """
 
     least: float
@@ -93,21 +94,26 @@ class Speeds:
     stiffest: float = 1.0
     stop: float = 1.0
     factor: float = 1.0
+    braking: float = 20.0
 
     def approach(self, desired: float, threshold: float) -> float:
         """So slow that the force does not exceed the desired one (for a factor of 1) [m/s]."""
-        return self._within(self.factor * (desired - threshold) / self.stiffest / self.stop)
+        depth = (desired - threshold) / self.stiffest
+        return self._within(min(self.factor * depth / self.stop, math.sqrt(2.0 * self.braking * depth)))
 
     def contact(self, desired: float, stiffness: float) -> float:
         """Limit on a surface [m/s]."""
-        return self._within(desired / stiffness / self.stop)
+        depth = desired / stiffness
+        return self._within(min(depth / self.stop, math.sqrt(2.0 * self.braking * depth)))
 
     def _within(self, speed: float) -> float:
         return min(max(speed, self.least), self.largest)
 
 
 class EstimatedPursuit:
-    """A target that moves at ω e/K, e behind a low pass of D/K, with estimates of K and D, once in contact.
+    """A target that moves at ω e/K once in contact, with estimates of K and D.
+
+    e is the force error when the tip has caught up with the target, behind a low pass of D/K.
 
     Args:
         bandwidth: ω [rad/s].
@@ -133,18 +139,19 @@ class EstimatedPursuit:
         displacement, error = self._sum, desired - force
         if contact:
             self._surface.add(tip.position, tip.rate, force)
-            rate = self._pressing(desired, error)
+            rate = self._pressing(desired, error, tip.lag)
         else:
             self._smooth = 0.0
             rate = self._free(desired, threshold, error)
         self._sum += PERIOD * rate
         return displacement
 
-    def _pressing(self, desired: float, error: float) -> float:
+    def _pressing(self, desired: float, error: float, lag: float) -> float:
         """Speed of the target in contact [m/s]; the low pass is integrated implicitly."""
         stiffness, damping, bound = self._surface.fit()
         delay = max(damping / stiffness, 0.2 / self._bandwidth)
-        self._smooth = (delay * self._smooth + PERIOD * error) / (delay + PERIOD)
+        left = error - stiffness * lag
+        self._smooth = (delay * self._smooth + PERIOD * left) / (delay + PERIOD)
         limit = self._speeds.contact(desired, bound)
         return min(max(self._bandwidth * self._smooth / stiffness, -limit), limit)
 
