@@ -1,4 +1,4 @@
-"""Learning curves: score against simulated time, of agents and tuned controllers, and the best controller."""
+"""Learning curves: score against simulated time, beside the scores of the best controller and floor."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -8,7 +8,7 @@ import numpy as np
 from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, TUNING, new_figure, to_png
 from prp_gym.comparison.statistics import best_of, score_of
 from prp_gym.comparison.table import short_id
-from prp_gym.comparison.values import AGENT, CONTROLLER, Condition, Entry, History
+from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, Condition, Entry, History
 from prp_gym.robot.arrays import Array
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _COLUMNS = 3
 _DASHES = ("-", "--", ":")
+_LEVELS = {CONTROLLER: "-.", FLOOR: ":"}  # line styles
 
 
 def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
@@ -39,19 +40,20 @@ def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
 def draw_learning(conditions: Sequence[Condition]) -> bytes:
     """Score against simulated time, one panel for each environment and scenario of training.
 
-    A line is the median over training seeds and its band their range. A tuned controller is a staircase, the
-    best controller a horizontal line. Scores are those of the held-out episodes of training, or of the
-    episodes of tuning.
+    A line is the median over training seeds and its band their range. A tuned controller is a staircase; the
+    best controller and the best floor are horizontal lines. Scores are those of the held-out episodes of
+    training, or of the episodes of tuning.
     """
     panels = _panels(conditions)
     columns = min(_COLUMNS, len(panels))
     rows = -(-len(panels) // _COLUMNS)
     figure = new_figure(max(5.2 * columns, 8.0), 4.0 * rows + 0.8)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
-    goals = {
-        (condition.environment_id, condition.scenario): score_of(best_of(condition.of_kind(CONTROLLER)))
+    levels = {
+        (condition.environment_id, condition.scenario): {
+            kind: score_of(best_of(condition.of_kind(kind))) for kind in _LEVELS if condition.of_kind(kind)
+        }
         for condition in conditions
-        if condition.of_kind(CONTROLLER)
     }
     agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
     names = enumerate(dict.fromkeys(agents))
@@ -60,7 +62,7 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
     for axes, (key, entries) in zip(grid, panels.items(), strict=False):
-        lines |= _draw_panel(axes, entries, colors, [goals[key]] if key in goals else [])
+        lines |= _draw_panel(axes, entries, colors, levels.get(key, {}))
         axes.set(title=f"{short_id(key[0])}, {key[1]}", xlabel="simulated time [s]", ylabel="score")
     figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3, frameon=False)
     return to_png(figure)
@@ -80,7 +82,7 @@ def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[En
 
 
 def _draw_panel(
-    axes: "Axes", entries: Sequence[Entry], colors: Mapping[str, str], goals: Sequence[float]
+    axes: "Axes", entries: Sequence[Entry], colors: Mapping[str, str], levels: Mapping[str, float]
 ) -> dict[str, "Artist"]:
     """Draw one panel; returns its lines by label."""
     lines: dict[str, Artist] = {}
@@ -94,9 +96,11 @@ def _draw_panel(
         time, label = history.simulated_seconds, "controllers, best candidate of the search"
         (line,) = axes.step(time, history.score, style, where="post", color=TUNING)
         lines.setdefault(label, line)
-    for goal in goals:
-        lines["best controller"] = axes.axhline(goal, color=COLORS[CONTROLLER], linestyle="-.", linewidth=1.3)
-        axes.annotate(f"{goal:.3f}", (0.01, goal), xycoords=("axes fraction", "data"), va="top", fontsize=8)
+    for kind, level in levels.items():
+        lines[f"best {kind}"] = axes.axhline(
+            level, color=COLORS[kind], linestyle=_LEVELS[kind], linewidth=1.3
+        )
+        axes.annotate(f"{level:.3f}", (0.01, level), xycoords=("axes fraction", "data"), va="top", fontsize=8)
     axes.set_xscale("log")
     axes.set_ylim(0.0, 1.02)
     axes.grid(True, color=GRID, linewidth=0.6)

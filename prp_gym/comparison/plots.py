@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
     BEST_CONTROLLER,
+    BEST_FLOOR,
     Aggregate,
     best_of,
     estimate_score,
@@ -66,8 +67,8 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
     scenarios = list(dict.fromkeys(item.scenario for item in aggregates))
     shown = [item for item in aggregates if item.family != BEST_AGENT]
     families = list(dict.fromkeys(item.family for item in shown))
-    modes = [name for name in families if name != BEST_CONTROLLER]
-    colors = {BEST_CONTROLLER: COLORS[CONTROLLER]}
+    modes = [name for name in families if name not in (BEST_CONTROLLER, BEST_FLOOR)]
+    colors = {BEST_CONTROLLER: COLORS[CONTROLLER], BEST_FLOOR: COLORS[FLOOR]}
     colors |= {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in enumerate(modes)}
     count = max(1, len(scenarios))  # without a family of policies the only panel stays empty
     figure = new_figure(6.0 * count, 5.5)
@@ -75,7 +76,8 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
         for item in (item for item in shown if item.scenario == scenario):
             profile, color = item.profile, colors[item.family]
             label = f"{item.family} ({item.tasks} tasks)" if item.tasks > 1 else f"{item.family} (1 task)"
-            axes.plot(profile.thresholds, profile.value, color=color, linewidth=1.8, label=label)
+            style = "--" if item.family == BEST_FLOOR else "-"
+            axes.plot(profile.thresholds, profile.value, style, color=color, linewidth=1.8, label=label)
             axes.fill_between(
                 profile.thresholds, profile.low, profile.high, color=color, alpha=0.15, linewidth=0
             )

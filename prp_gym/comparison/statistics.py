@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from prp_gym.comparison.values import AGENT, CONTROLLER, Condition, Entry
+from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, Condition, Entry
 from prp_gym.evaluation.hierarchy import bootstrap_crossed, bootstrap_difference, bootstrap_tasks
 from prp_gym.evaluation.improvement import paired_probability_of_improvement
 from prp_gym.evaluation.profiles import Profile, performance_profile
@@ -21,7 +21,7 @@ from prp_gym.robot.arrays import Array
 UNDECIDED = "-"
 """Verdict where the interval of the paired difference contains 0."""
 
-BEST_CONTROLLER, BEST_AGENT = "best controller", "best agent"
+BEST_CONTROLLER, BEST_AGENT, BEST_FLOOR = "best controller", "best agent", "best floor"
 THRESHOLDS = np.linspace(0.0, 1.0, 101)
 """Scores at which performance profiles are taken."""
 
@@ -211,6 +211,7 @@ def _families(conditions: Sequence[Condition]) -> dict[str, dict[str, Array]]:
         members = {
             BEST_CONTROLLER: condition.of_kind(CONTROLLER),
             BEST_AGENT: agents,
+            BEST_FLOOR: condition.of_kind(FLOOR),
         }
         for mode in dict.fromkeys(entry.mode for entry in agents):
             members[f"{AGENT}, {mode}"] = [entry for entry in agents if entry.mode == mode]

@@ -7,6 +7,7 @@ from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
     BEST_CONTROLLER,
+    BEST_FLOOR,
     aggregate_tasks,
     compare_best,
     estimate_score,
@@ -14,7 +15,7 @@ from prp_gym.comparison.statistics import (
     training_spread,
 )
 from prp_gym.comparison.table import condition_scores
-from prp_gym.comparison.values import Entry, group_conditions
+from prp_gym.comparison.values import FLOOR, Entry, group_conditions
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation import bootstrap_crossed, bootstrap_mean, bootstrap_tasks
 from prp_gym.evaluation.statistics import Estimate, mean
@@ -138,13 +139,17 @@ def test_families_are_the_best_of_each_kind_on_each_of_their_tasks() -> None:
         records[-1]["episodes"]["score"] = [[0.95 + shift]] * 20
         records += agents("a", EPISODES[None] + shift, environment_id=environment_id)
     records += agents("b", np.full((2, 20), 0.5), environment_id=first, mode="impedance")
+    for name, level in (("hold", 0.3), ("zero_torque", 0.1)):
+        records.append({**record(name, np.full(20, level), environment_id=first), "kind": FLOOR})
     found = {item.family: item for item in aggregate_tasks(group_conditions(records), 0)}
     assert list(found) == [
         BEST_CONTROLLER,
         BEST_AGENT,
+        BEST_FLOOR,
         "agent, torque",
         "agent, impedance",
     ]
+    assert found[BEST_FLOOR].score.value == pytest.approx(0.3)
     assert (found[BEST_CONTROLLER].tasks, found["agent, impedance"].tasks) == (2, 1)
     assert found[BEST_CONTROLLER].score.value == pytest.approx((0.95 + 0.75) / 2)
     assert found["agent, impedance"].reference.value == pytest.approx(0.95)
