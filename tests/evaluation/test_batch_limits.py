@@ -1,5 +1,6 @@
 """Episodes side by side: for which environments, how many at a time, and how policies are timed."""
 
+import time
 from typing import Any
 
 import gymnasium
@@ -9,7 +10,7 @@ import pytest
 import prp_gym
 from prp_gym.baselines import make_baseline
 from prp_gym.envs import PRPEnv
-from prp_gym.evaluation import batch, evaluate
+from prp_gym.evaluation import batch, evaluate, record_episode
 from prp_gym.evaluation.batch import can_batch, record_episodes
 from tests.evaluation.test_batch import assert_same
 from tests.support.controller_episodes import make
@@ -148,3 +149,25 @@ def test_recurrent_policy_keeps_its_state_and_is_timed_on_first_actions(kind: ty
         assert rollout.compute_time.shape == (50,)
         assert (rollout.compute_time > 0.0).all()
     assert evaluate(policy, env, episodes=4).compute_time > 0.0
+
+
+@pytest.mark.parametrize("batched", [True, False])
+def test_compute_time_of_an_action_includes_the_inner_controller_at_all_its_periods(
+    batched: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    env = make(TRACKING, duration=0.1, action_mode="joint_position", control_frequency=100)
+    inner: Any = env.unwrapped
+    kind = type(inner.loop._mode)
+    plain = kind.torque
+
+    def slow(*args: Any) -> Any:
+        time.sleep(0.001)
+        return plain(*args)
+
+    monkeypatch.setattr(kind, "torque", slow)
+    policy = Recurrent()
+    policy.batched = batched
+    record = record_episodes(policy, env, [0])[0] if batched else record_episode(policy, env, 0)
+    # five periods at 500 Hz for an action at 100 Hz; a sleep is never shorter than asked for
+    assert record.compute_time.min() >= 0.005
+    env.close()
