@@ -131,7 +131,7 @@ class TaringUntilContact(Taring):
         after[..., _EXCESS] = np.where(touched, 0.0, excess)
 
     def _go_back(self, after: Array, seen: NDArray[np.bool_]) -> None:
-        """Restore the former b̂ at the touch, and remember the present one from time to time; in place."""
+        """Restore the former b̂ at the touch, and keep the present one from time to time; in place."""
         tare = slice(_TARE.start, _COUNT.stop)
         former = seen & (after[..., _EARLIER][..., 3:] > 0.0)
         after[..., tare] = np.where(former, after[..., _EARLIER], after[..., tare])
