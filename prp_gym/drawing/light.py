@@ -1,0 +1,44 @@
+"""The light of a frame: a lamp with an extent, so that shadows have soft edges."""
+
+import mujoco
+import numpy as np
+
+from prp_gym.drawing.canvas import FINE
+
+_SPREAD = 0.035  # [rad] of the lamp, as seen from the robot
+_LAMPS = 5
+
+
+def set_light(scene: mujoco.MjvScene, height: int) -> None:
+    """Replace the lamp that casts shadows by several beside each other; small frames have no shadows.
+
+    Args:
+        scene: Scene of a frame, just updated.
+        height: Height of the frame [pixels].
+    """
+    scene.flags[int(mujoco.mjtRndFlag.mjRND_SHADOW)] = height >= FINE
+    lamps = [index for index in range(scene.nlight) if scene.lights[index].castshadow]
+    if height < FINE or len(lamps) != 1:
+        return
+    lamp = scene.lights[lamps[0]]
+    middle = np.array(lamp.dir, dtype=np.float64)
+    across = np.cross(middle, (1.0, 0.0, 0.0))
+    across /= np.sqrt(across @ across)
+    diffuse, specular = np.array(lamp.diffuse) / _LAMPS, np.array(lamp.specular) / _LAMPS
+    for number in range(_LAMPS):
+        angle = 2.0 * np.pi * number / _LAMPS
+        turned = np.cos(angle) * across + np.sin(angle) * np.cross(middle, across)
+        own = lamp if number == 0 else _copy_of(scene, lamp)
+        own.dir = middle + _SPREAD * turned
+        own.diffuse, own.specular = diffuse, specular
+
+
+def _copy_of(scene: mujoco.MjvScene, lamp: mujoco.MjvLight) -> mujoco.MjvLight:
+    """A further lamp of a scene, like another."""
+    own = scene.lights[scene.nlight]
+    scene.nlight += 1
+    for name in ("id", "pos", "dir", "type", "texid", "attenuation", "cutoff", "exponent", "ambient"):
+        setattr(own, name, getattr(lamp, name))
+    for name in ("diffuse", "specular", "headlight", "castshadow", "bulbradius", "intensity", "range", "softness"):
+        setattr(own, name, getattr(lamp, name))
+    return own
