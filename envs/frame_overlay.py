@@ -5,7 +5,7 @@ import numpy as np
 from prp_gym.drawing.contact_ring import FREE, LOST, TOUCHING, ContactRing
 from prp_gym.drawing.ghost import Ghost
 from prp_gym.drawing.overlay import Arrow, DashedArrow, OverlayItem
-from prp_gym.drawing.palette import BLACK, FORCE, REFERENCE, rgba
+from prp_gym.drawing.palette import FORCE, MEASURED, REFERENCE, rgba
 from prp_gym.drawing.trail import Trail
 from prp_gym.drawing.triad import Triad, tip_axes
 from prp_gym.envs.core.loop import EpisodeLoop
@@ -15,7 +15,7 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, norm
 
 _ARROW_LENGTH = 0.14  # [m], of the desired force, or of _USUAL_FORCE where none is desired
-_USUAL_FORCE = 5.0  # [N]
+_USUAL_FORCE = 2.5  # [N]
 _LONGEST = 2.2  # of an arrow, in parts of _ARROW_LENGTH
 _BESIDE = 0.06  # between the arrows of the contact force and the desired force [m]
 _WIDTH = 0.008  # [m]
@@ -45,8 +45,8 @@ def episode_overlay(loop: EpisodeLoop, history: TipHistory, index: int) -> list[
 
 def _triads(pose: Array, desired: Array) -> list[OverlayItem]:
     """The frame of the tip, thin, and the desired one, translucent around it."""
-    present = Triad(pose[:3].copy(), tip_axes(pose[3:]), 0.09, 0.0025, rgba(BLACK))
-    wanted = Triad(desired[:3].copy(), tip_axes(desired[3:]), 0.13, 0.006, rgba(REFERENCE, 0.75))
+    present = Triad(pose[:3].copy(), tip_axes(pose[3:]), 0.06, 0.003, rgba(MEASURED))
+    wanted = Triad(desired[:3].copy(), tip_axes(desired[3:]), 0.08, 0.005, rgba(REFERENCE, 0.75))
     return [present, wanted]
 
 

@@ -55,17 +55,22 @@ class Canvas:
 
     def arrow(self, start: Array, end: Array, radius: float, color: Color) -> None:
         """Add an arrow between two points (3), with the radius of its shaft [m]."""
-        self._connect(_SHAPES.mjGEOM_ARROW, radius, start, end, color)
+        # MuJoCo draws an arrow half as long as the distance of its ends
+        self._connect(_SHAPES.mjGEOM_ARROW, radius, start, start + 2.0 * (end - start), color)
 
-    def triangle(self, corners: Array, color: Color) -> None:
-        """Add a triangle with its corners (3, 3) [m], seen from both sides."""
-        first, second = corners[1] - corners[0], corners[2] - corners[0]
-        lengths = np.array([np.sqrt(first @ first), np.sqrt(second @ second), 0.0])
-        normal = np.cross(first, second)
-        size = np.sqrt(normal @ normal)
-        if size > 0.0:
-            axes = np.stack([first / lengths[0], second / lengths[1], normal / size], axis=1)
-            self._add(_SHAPES.mjGEOM_TRIANGLE, lengths, corners[0], axes.ravel(), color)
+    def mesh(self, corners: Array, color: Color) -> None:
+        """Add triangles with their corners (k, 3, 3) [m], seen from both sides."""
+        sides = corners[:, 1:] - corners[:, :1]
+        lengths = np.sqrt(np.square(sides).sum(axis=-1))
+        normals = np.cross(sides[:, 0], sides[:, 1])
+        sizes = np.sqrt(np.square(normals).sum(axis=-1))
+        whole = sizes > 0.0
+        axes = np.concatenate([sides / np.maximum(lengths, 1e-12)[..., None], normals[:, None]], axis=1)
+        axes[whole, 2] /= sizes[whole, None]
+        frames = axes.transpose(0, 2, 1).reshape(-1, 9)
+        scales = np.concatenate([lengths, np.zeros((len(lengths), 1))], axis=1)
+        for index in np.flatnonzero(whole):
+            self._add(_SHAPES.mjGEOM_TRIANGLE, scales[index], corners[index, 0], frames[index], color)
 
     def label(self, point: Array, text: str) -> None:
         """Write a text at a point (3) [m]; small frames have no labels."""

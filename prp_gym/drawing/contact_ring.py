@@ -13,7 +13,7 @@ FREE, TOUCHING, LOST = "free", "touching", "contact lost"
 """Phases of contact: not yet touched, in touch, and out of touch after a contact."""
 
 _RADIUS = 0.05  # [m]
-_PIECES = {FREE: 0, TOUCHING: 40, LOST: 16}
+_PIECES = {FREE: 0, TOUCHING: 32, LOST: 16}
 _COLORS: dict[str, Color] = {FREE: rgba(BLACK), TOUCHING: rgba(BLACK), LOST: rgba(VERMILLION)}
 
 

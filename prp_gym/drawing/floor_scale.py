@@ -10,7 +10,8 @@ from prp_gym.drawing.palette import rgba
 
 _COLOR = rgba("#4A4F55")
 _ABOVE, _WIDTH, _THIN = 0.0005, 0.0025, 0.0005  # [m]
-_LABELS = 0.75  # distance of the numbers from the base, on the side away from the camera [m]
+_NUMBERS = 2  # on either side of the base
+_LABELS = 1.0  # distance of the numbers from the base, on the side away from the camera [m]
 _SPACING = 0.5  # [m]
 _LINES = 3  # on either side of the base
 
@@ -35,6 +36,7 @@ class FloorScale(OverlayItem):
             canvas.box(np.array([at, 0.0, z]), np.array([_WIDTH, end, _THIN]), np.eye(3), _COLOR)
             canvas.box(np.array([0.0, at, z]), np.array([end, _WIDTH, _THIN]), np.eye(3), _COLOR)
         behind = np.where(canvas.forward[:2] >= 0.0, _LABELS, -_LABELS)
-        for at in (-_SPACING, 0.0, _SPACING):
-            canvas.label(np.array([at, behind[1], z]), f"x {at:g} m")
-            canvas.label(np.array([behind[0], at, z]), f"y {at:g} m")
+        for index in range(-_NUMBERS, _NUMBERS + 1):
+            canvas.label(np.array([index * _SPACING, behind[1], z]), f"x {index * _SPACING:g} m")
+        for index in range(1 - _NUMBERS, _NUMBERS):
+            canvas.label(np.array([behind[0], index * _SPACING, z]), f"y {index * _SPACING:g} m")

@@ -54,10 +54,11 @@ class Path(OverlayItem):
     def draw(self, canvas: Canvas) -> None:
         """See `OverlayItem.draw`."""
         along = np.concatenate([[0.0], np.cumsum(np.sqrt(np.square(np.diff(self.points, axis=0)).sum(axis=1)))])
-        count = int(np.clip(along[-1] / (_DASH if canvas.fine else 2 * _DASH), 1, _MOST_PIECES))
-        at = np.linspace(0.0, along[-1], 2 * _PER_DASH * count + 1)
+        dash, pieces = (_DASH, 2) if canvas.fine else (3 * _DASH, 1)
+        count = int(np.clip(along[-1] / dash, 1, _MOST_DASHES))
+        at = np.linspace(0.0, along[-1], 2 * pieces * count + 1)
         points = np.stack([np.interp(at, along, column) for column in self.points.T], axis=-1)
-        for index in (index for index in range(len(at) - 1) if index // _PER_DASH % 2 == 0):
+        for index in (index for index in range(len(at) - 1) if index // pieces % 2 == 0):
             canvas.line(points[index], points[index + 1], self.width, self.color)
 
 
@@ -108,5 +109,4 @@ _DASHES = 6  # ends of the pieces of a dashed shaft
 _HEAD = 0.4  # of the length of a dashed arrow
 _ABOVE = np.array([0.0, 0.0, 0.03])  # of a text over its arrow [m]
 _DASH = 0.03  # of a path, with the gap that follows [m]
-_PER_DASH = 2  # straight pieces of a dash of a path
-_MOST_PIECES = 150
+_MOST_DASHES = 150

@@ -20,7 +20,7 @@ BODY = "surface"
 _THICKNESS, _BAR = 0.024, 0.010  # of the edge, along and across the normal [m]
 _WIDTH = 0.035  # of the dent, at least [m]
 _FACE, _LINE, _EDGE = rgba(SURFACE, 0.55), rgba(BLACK, 0.55), rgba("#3A3F44")
-_RAYS, _RINGS = (32, 8), (16, 4)  # of fine and of small frames
+_RAYS, _RINGS = (32, 8), (8, 3)  # of fine and of small frames
 _SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]])
 _TO_FLOOR = 0.3  # z component of the normal up to which the patch stands on posts
 
@@ -63,11 +63,10 @@ class SurfacePatch(OverlayItem):
         self._draw_edge(canvas)
         rays, rings = _RAYS if canvas.fine else _RINGS
         grid = self._face(rays, rings)
-        for inner, outer in zip(grid[:-1], grid[1:], strict=True):
-            for ray in range(rays):
-                beside = (ray + 1) % rays
-                canvas.triangle(np.stack([inner[ray], outer[ray], outer[beside]]), _FACE)
-                canvas.triangle(np.stack([inner[ray], outer[beside], inner[beside]]), _FACE)
+        beside = np.roll(grid, -1, axis=1)
+        first = np.stack([grid[:-1], grid[1:], beside[1:]], axis=2)
+        second = np.stack([grid[:-1], beside[1:], beside[:-1]], axis=2)
+        canvas.mesh(np.concatenate([first, second]).reshape(-1, 3, 3), _FACE)
         if canvas.fine:
             self._draw_lines(canvas, grid)
 
@@ -101,9 +100,9 @@ class SurfacePatch(OverlayItem):
         back = self.center - 0.5 * _THICKNESS * normal
         half = HALF_SIZE + _BAR
         for side in (-half, half):
-            long = np.array([half + _BAR, _BAR, _THICKNESS / 2])
-            canvas.box(back + side * v, long, self.axes, _EDGE)
-            canvas.box(back + side * u, long[[1, 0, 2]], self.axes, _EDGE)
+            thick = _THICKNESS / 2
+            canvas.box(back + side * v, np.array([half - _BAR, _BAR, thick]), self.axes, _EDGE)
+            canvas.box(back + side * u, np.array([_BAR, half + _BAR, thick]), self.axes, _EDGE)
         if abs(normal[2]) < _TO_FLOOR:
             self._draw_posts(canvas, back, half)
 

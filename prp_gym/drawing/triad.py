@@ -33,8 +33,12 @@ class Triad(OverlayItem):
 
     def draw(self, canvas: Canvas) -> None:
         """See `OverlayItem.draw`."""
-        canvas.ball(self.origin, 2.0 * self.width, self.color)
         ends = [self.origin + share * self.length * axis for share, axis in zip(_SHARES, self.axes.T, strict=True)]
+        if not canvas.fine:
+            for end in ends:
+                canvas.line(self.origin, end, 500.0 * self.width, self.color)
+            return
+        canvas.ball(self.origin, 2.0 * self.width, self.color)
         for end in ends:
             canvas.arrow(self.origin, end, self.width, self.color)
         for end, name in zip(ends, self.names, strict=False):

@@ -17,8 +17,10 @@ FIELD_OF_VIEW = 35.0
 _FILLED = 0.88  # of the frame
 _POST = np.array([[0.0, 0.0, -0.15], [0.0, 0.0, 0.2]])  # that carries the robot [m]
 _CORNERS = np.array([[a, b, c] for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)])
-_WORKSPACE = np.array([0.05, -0.05, 0.08]) + np.array([0.48, 0.48, 0.2]) * _CORNERS  # [m]
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 24)
+_WORKSPACE = np.stack([0.56 * np.cos(_ROUND), 0.56 * np.sin(_ROUND), np.full_like(_ROUND, 0.15)], axis=-1)  # [m]
 _NEAR_TIP = 0.12  # [m]
+_SLIDE_RADIUS, _SLIDE_HEIGHT = 0.46, 0.15  # of the rear end of the slide, from the base [m]
 _ASIDE, _BESIDE = 40.0, 32.0  # of the camera from the middle of the motion, and from the surface's plane [deg]
 _DOWN = -27.0  # elevation of the cameras [deg]
 _ROUNDS = 6
@@ -74,10 +76,11 @@ class Viewpoint:
             return cls.around(points, _beside(patch), aspect)
         paths = [item.points for item in overlay if isinstance(item, Path)]
         if not paths:
-            return cls.around(_WORKSPACE, 130.0, aspect)
-        middle = np.concatenate(paths).mean(axis=0)
+            return cls.around(np.concatenate([_POST, _WORKSPACE]), 130.0, aspect)
+        path = np.concatenate(paths)
+        middle = path.mean(axis=0)
         toward = float(np.degrees(np.arctan2(middle[1], middle[0]))) + _ASIDE
-        return cls.around(np.concatenate([_POST, *paths]), toward + 180.0, aspect)
+        return cls.around(np.concatenate([_POST, path, _slide_ends(path)]), toward + 180.0, aspect)
 
     @classmethod
     def of_contact(cls, patch: SurfacePatch, aspect: float) -> Self:
@@ -120,6 +123,13 @@ def _beside(patch: SurfacePatch) -> float:
     side *= 1.0 if side @ patch.center >= 0.0 else -1.0
     away = np.cos(np.radians(_BESIDE)) * side + np.sin(np.radians(_BESIDE)) * normal
     return float(np.degrees(np.arctan2(-away[1], -away[0])))
+
+
+def _slide_ends(path: Array) -> Array:
+    """About where the rear end of the slide is while the tip is on a path (k, 3) [m]."""
+    angle = np.arctan2(path[:, 1], path[:, 0]) + np.radians(90.0)
+    height = np.full_like(angle, _SLIDE_HEIGHT)
+    return np.stack([_SLIDE_RADIUS * np.cos(angle), _SLIDE_RADIUS * np.sin(angle), height], axis=-1)
 
 
 def _slide_housing(patch: SurfacePatch) -> Array:

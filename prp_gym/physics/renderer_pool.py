@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-_MOST_GEOMS = 1000
+from prp_gym.drawing.light import set_quality
+
+_MOST_GEOMS = 2500
 _NOT_DRAWN = (
     "body_",
     "dof_",
@@ -41,10 +43,11 @@ class RendererPool:
         """A renderer, and the key under which it is given back.
 
         Args:
-            model: model of the world; its offscreen buffer is made as large as the frames.
+            model: model of the world; its quality and its offscreen buffer are set for the frames.
             width: width of the frames [pixels].
             height: height of the frames [pixels].
         """
+        set_quality(model, height)
         model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
         model.vis.global_.offheight = max(height, model.vis.global_.offheight)
         key = (threading.current_thread(), width, height, _digest(model))
