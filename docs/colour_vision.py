@@ -1,7 +1,7 @@
-"""Pictures as readers with deuteranopia see them: `python -m docs.colour_vision PICTURE.png ...`.
+"""Images as readers with deuteranopia see them: `python -m docs.colour_vision IMAGE.png ...`.
 
-Source: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, A Physiologically-based Model for Simulation of Color
-    Vision Deficiency, IEEE Transactions on Visualization and Computer Graphics 15(6), 2009: deuteranomaly of
+Source: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, A Physiologically-based Model for Simulation of
+    Color Vision Deficiency, IEEE Transactions on Visualization and Computer Graphics 15(6), 2009: deuteranomaly of
     severity 1.0, applied to linear RGB.
 """
 
@@ -21,9 +21,9 @@ DEUTERANOPIA = np.array(
 )
 
 
-def simulate(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """A picture (..., 3) in sRGB as it is seen with deuteranopia."""
-    encoded = picture / 255.0
+def simulate(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """An image (..., 3) in sRGB as it is seen with deuteranopia."""
+    encoded = image / 255.0
     linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
     seen = np.clip(linear @ DEUTERANOPIA.T, 0.0, 1.0)
     again = np.where(seen <= 0.0031308, 12.92 * seen, 1.055 * seen ** (1 / 2.4) - 0.055)
@@ -32,11 +32,11 @@ def simulate(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def main() -> None:
-    """Write each picture as it is seen, beside it with `-deuteranopia` in its name."""
+    """Write each image as it is seen, beside it with `-deuteranopia` in its name."""
     for name in sys.argv[1:]:
         path = Path(name)
-        with Image.open(path) as picture:
-            seen = simulate(np.asarray(picture.convert("RGB")))
+        with Image.open(path) as image:
+            seen = simulate(np.asarray(image.convert("RGB")))
         Image.fromarray(seen).save(path.with_stem(f"{path.stem}-deuteranopia"))
 
 

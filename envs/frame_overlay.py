@@ -30,8 +30,8 @@ def episode_overlay(loop: EpisodeLoop, history: TipHistory, index: int) -> list[
         history: Positions of their tips.
         index: Index of the environment.
     """
-    truth, layout = loop.ground_truth[index], loop.task.ground_truth_layout
-    fields = {name: truth[layout.index(name)] for name in layout.names}
+    layout = loop.task.ground_truth_layout
+    fields = {name: loop.ground_truth[index, layout.index(name)] for name in layout.names}
     overlay = list(loop.task.overlay(index, loop.config.duration))
     if "desired_joint_position" in fields:
         overlay.append(Ghost(fields["desired_joint_position"].copy()))
@@ -73,7 +73,9 @@ def _contact(loop: EpisodeLoop, history: TipHistory, index: int, desired: Array)
             drawn = length * vector / newtons
             contact = tip + TIP_RADIUS * inward + offset * _UP
             start = contact - drawn - 2 * TIP_RADIUS * inward if outside else contact
-            items.append(kind(start, drawn, _WIDTH, color, f"{name} {newtons:.2f} N", 0.0 if outside else 1.0))
+            items.append(
+                kind(start, drawn, _WIDTH, color, f"{name} {newtons:.2f} N", 0.0 if outside else 1.0)
+            )
     return items
 
 

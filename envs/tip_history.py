@@ -56,16 +56,17 @@ class TipHistory:
         """Positions of one tip (k, 3) [m], the oldest first and the present one last."""
         now = loop.physics.tip_position[index][None]
         if not self._is_current(loop, index):
-            return now.copy()
+            return np.array(now)
         age = np.arange(self._kept[index])[::-1] * self._stride
-        return np.concatenate([self._points[self._slots(self._elapsed[index] - age), index], now])
+        kept = self._points[self._slots(self._elapsed[index] - age), index]
+        return np.array([*kept, now[0]])
 
     def last_force(self, loop: EpisodeLoop, index: int) -> Array:
         """The last contact force that was not zero in this episode (3) [N]; zero before the first contact."""
         force = loop.physics.contact_force[index]
         if force.any() or not self._is_current(loop, index):
             return np.array(force)
-        return self._last_force[index].copy()
+        return np.array(self._last_force[index])
 
     def _is_current(self, loop: EpisodeLoop, index: int) -> bool:
         """Whether the last recorded state of an environment is its present one."""

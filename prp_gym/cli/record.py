@@ -40,7 +40,9 @@ def record_command(
             "that runs on the environment."
         ),
     ] = None,
-    agent: Annotated[str | None, typer.Option(help="Agent in place of a controller: its name or file.")] = None,
+    agent: Annotated[
+        str | None, typer.Option(help="Agent in place of a controller: its name or file.")
+    ] = None,
     vs: Annotated[
         str | None,
         typer.Option(help="Controller or agent beside the first one, on the same seed, with its own gains."),
@@ -53,11 +55,13 @@ def record_command(
     duration: Annotated[float, typer.Option(help="Duration of the episode [s].")] = 5.0,
     slow: Annotated[float, typer.Option(help="Factor by which the video is slower than the episode.")] = 1.0,
     size: Annotated[str, typer.Option(help="Size of the video, WIDTHxHEIGHT [pixels].")] = "1280x720",
-    fps: Annotated[int, typer.Option(help="Pictures a second; a divisor of 100 for a gif.")] = 25,
+    fps: Annotated[int, typer.Option(help="Frames per second; a divisor of 100 for a gif.")] = 25,
     camera: Annotated[str, typer.Option(help="Camera: task, contact, overview or top.")] = EnvConfig.camera,
     output: Annotated[
         Path | None,
-        typer.Option(help="Video, .mp4 or .gif, or a folder for pictures. Default: an mp4 named after the episode."),
+        typer.Option(
+            help="Video, .mp4 or .gif, or a folder for frames. Default: an mp4 named after the episode."
+        ),
     ] = None,
     plugin: Plugins = None,
 ) -> None:
@@ -74,7 +78,9 @@ def record_command(
     names = [agent or baseline or _first_controller(env), *([] if vs is None else [vs])]
     path = output or default_output(env, names, scenario, seed)
     check_output(path, video.width, video.height, video.fps)
-    title = f"{env}   scenario {scenario}   seed {seed}" + ("" if slow == 1.0 else f"   {slow:g} times slower")
+    title = f"{env}   scenario {scenario}   seed {seed}" + (
+        "" if slow == 1.0 else f"   {slow:g} times slower"
+    )
     composer = Composer(video.width, video.height, len(names), title, duration)
     width, height = composer.frame_size
     keywords: dict[str, Any] = {
@@ -93,10 +99,10 @@ def record_command(
         if vs is not None:
             sides.append(ActingPolicy.of_name(vs, env, keywords))
             opened.callback(sides[1].env.close)
-        pictures = video.pictures([Side(side, seed) for side in sides], composer, duration)
+        frames = video.frames([Side(side, seed) for side in sides], composer, duration)
         count = video.count(duration)
-        write_video(path, _reported(pictures, count), (video.width, video.height), video.fps)
-    typer.echo(f"video: {path} ({count} pictures, {video.width}x{video.height}, {count / video.fps:.2f} s)")
+        write_video(path, _reported(frames, count), (video.width, video.height), video.fps)
+    typer.echo(f"video: {path} ({count} frames, {video.width}x{video.height}, {count / video.fps:.2f} s)")
 
 
 def _first_controller(environment_id: str) -> str:
@@ -107,7 +113,9 @@ def _first_controller(environment_id: str) -> str:
     return prp_gym.list_baselines(layout)[0]
 
 
-def _first(agent: str | None, name: str, gains: GainsChoice, env: str, keywords: dict[str, Any]) -> ActingPolicy:
+def _first(
+    agent: str | None, name: str, gains: GainsChoice, env: str, keywords: dict[str, Any]
+) -> ActingPolicy:
     """The policy that `--baseline` or `--agent` names."""
     if agent is None:
         return ActingPolicy.of_controller(name, gains, env, keywords)
@@ -116,11 +124,11 @@ def _first(agent: str | None, name: str, gains: GainsChoice, env: str, keywords:
     return ActingPolicy.of_agent(name, env, keywords)
 
 
-def _reported(pictures: Iterator[NDArray[np.uint8]], count: int) -> Iterator[NDArray[np.uint8]]:
-    """The pictures; every few seconds a line says how many there are."""
+def _reported(frames: Iterator[NDArray[np.uint8]], count: int) -> Iterator[NDArray[np.uint8]]:
+    """The frames; every few seconds a line says how many there are."""
     console, last = make_console(stderr=True), time.monotonic()
-    for number, picture in enumerate(pictures, 1):
-        yield picture
+    for number, image in enumerate(frames, 1):
+        yield image
         if time.monotonic() - last > _REPORT_EVERY:
             last = time.monotonic()
-            console.print(f"recording: {number} of {count} pictures", highlight=False)
+            console.print(f"recording: {number} of {count} frames", highlight=False)

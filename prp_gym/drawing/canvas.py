@@ -104,7 +104,7 @@ class Canvas:
             return None
         shape = scene.geoms[scene.ngeom]
         scene.ngeom += 1
-        place = np.asarray(position, dtype=np.float64)
-        mujoco.mjv_initGeom(shape, kind, size, place, axes, np.array(color, dtype=np.float32))
+        center = np.asarray(position, dtype=np.float64)
+        mujoco.mjv_initGeom(shape, kind, size, center, axes, np.array(color, dtype=np.float32))
         shape.category = _DECOR
         return shape

@@ -5,8 +5,8 @@ import numpy as np
 
 from prp_gym.drawing.canvas import FINE
 
-_SPREAD = 0.025  # [rad] of the lamp, as seen from the robot
-_LAMPS = 8
+_SPREAD = 0.018  # [rad] of the lamp, as seen from the robot
+_LAMPS = 4
 
 
 def set_quality(model: mujoco.MjModel, height: int) -> None:
@@ -51,6 +51,15 @@ def _copy_of(scene: mujoco.MjvScene, lamp: mujoco.MjvLight) -> mujoco.MjvLight:
     scene.nlight += 1
     for name in ("id", "pos", "dir", "type", "texid", "attenuation", "cutoff", "exponent", "ambient"):
         setattr(own, name, getattr(lamp, name))
-    for name in ("diffuse", "specular", "headlight", "castshadow", "bulbradius", "intensity", "range", "softness"):
+    for name in (
+        "diffuse",
+        "specular",
+        "headlight",
+        "castshadow",
+        "bulbradius",
+        "intensity",
+        "range",
+        "softness",
+    ):
         setattr(own, name, getattr(lamp, name))
     return own

@@ -53,7 +53,9 @@ class Path(OverlayItem):
 
     def draw(self, canvas: Canvas) -> None:
         """See `OverlayItem.draw`."""
-        along = np.concatenate([[0.0], np.cumsum(np.sqrt(np.square(np.diff(self.points, axis=0)).sum(axis=1)))])
+        along = np.concatenate(
+            [[0.0], np.cumsum(np.sqrt(np.square(np.diff(self.points, axis=0)).sum(axis=1)))]
+        )
         dash, pieces = (_DASH, 2) if canvas.fine else (3 * _DASH, 1)
         count = int(np.clip(along[-1] / dash, 1, _MOST_DASHES))
         at = np.linspace(0.0, along[-1], 2 * pieces * count + 1)
@@ -100,7 +102,9 @@ class DashedArrow(Arrow):
         """See `OverlayItem.draw`."""
         ends = np.linspace(0.0, 1.0 - _HEAD, _DASHES)
         for start, end in zip(ends[:-1:2], ends[1::2], strict=True):
-            canvas.rod(self.start + start * self.vector, self.start + end * self.vector, self.width / 2, self.color)
+            canvas.rod(
+                self.start + start * self.vector, self.start + end * self.vector, self.width / 2, self.color
+            )
         canvas.arrow(self.start + ends[-1] * self.vector, self.start + self.vector, self.width, self.color)
         self._write(canvas)
 

@@ -1,5 +1,6 @@
 """`SurfacePatch`: the drawn part of the elastic surface, with how far it gives under the tip."""
 
+import itertools
 from dataclasses import dataclass
 from typing import Self
 
@@ -20,7 +21,7 @@ BODY = "surface"
 _THICKNESS, _BAR = 0.024, 0.010  # of the edge, along and across the normal [m]
 _WIDTH = 0.035  # of the dent, at least [m]
 _FACE, _LINE, _EDGE = rgba(SURFACE, 0.55), rgba(BLACK, 0.55), rgba("#3A3F44")
-_RAYS, _RINGS = (32, 8), (8, 3)  # of fine and of small frames
+_RAYS, _RINGS = (24, 6), (8, 3)  # of fine and of small frames
 _SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]])
 _TO_FLOOR = 0.3  # z component of the normal up to which the patch stands on posts
 
@@ -88,7 +89,7 @@ class SurfacePatch(OverlayItem):
         """Rings and rays on the face, by which the shape of the dent is seen."""
         closed = np.concatenate([grid, grid[:, :1]], axis=1)
         for ring in closed[1:-1]:
-            for start, end in zip(ring[:-1], ring[1:], strict=True):
+            for start, end in itertools.pairwise(ring):
                 canvas.line(start, end, 0.7, _LINE)
         for ray in range(0, grid.shape[1], 2):
             for start, end in zip(grid[:-1, ray], grid[1:, ray], strict=True):
@@ -107,7 +108,9 @@ class SurfacePatch(OverlayItem):
             self._draw_posts(canvas, back, half)
 
     def _draw_posts(self, canvas: Canvas, back: Array, half: float) -> None:
-        corners = [back + half * (a * self.axes[:, 0] + b * self.axes[:, 1]) for a in (-1, 1) for b in (-1, 1)]
+        corners = [
+            back + half * (a * self.axes[:, 0] + b * self.axes[:, 1]) for a in (-1, 1) for b in (-1, 1)
+        ]
         for corner in sorted(corners, key=lambda point: float(point[2]))[:2]:
             if corner[2] > self.floor:
                 canvas.rod(corner, np.array([*corner[:2], self.floor]), _BAR, _EDGE)
@@ -118,4 +121,5 @@ def _rim(rays: int) -> Array:
     at = np.arange(rays) * 4.0 / rays
     side = at.astype(int)
     share = (at - side)[:, None]
-    return HALF_SIZE * ((1.0 - share) * _SQUARE[side] + share * _SQUARE[side + 1])
+    rim: Array = HALF_SIZE * ((1.0 - share) * _SQUARE[side] + share * _SQUARE[side + 1])
+    return rim

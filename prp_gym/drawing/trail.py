@@ -11,7 +11,8 @@ from prp_gym.robot.arrays import Array
 
 _RADIUS = 0.0045  # [m], at the tip
 _LEAST = 0.25  # of the radius and of the opacity, at the oldest point
-_LONGEST_PIECE = 0.012  # [m]
+_LONGEST_PIECE = 0.015  # [m]
+_MOST_PIECES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,7 @@ def smooth(points: Array) -> Array:
         return points
     ends = np.concatenate([2 * points[:1] - points[1:2], points, 2 * points[-1:] - points[-2:-1]])
     longest = float(np.abs(np.diff(points, axis=0)).max())
-    count = int(np.clip(np.ceil(longest / _LONGEST_PIECE), 1, 12))
+    count = int(np.clip(np.ceil(longest / _LONGEST_PIECE), 1, _MOST_PIECES / len(points) + 1))
     before, start, end, after = ends[:-3], ends[1:-2], ends[2:-1], ends[3:]
     u = (np.arange(count) / count)[:, None, None]
     curve = 0.5 * (

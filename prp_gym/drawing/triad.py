@@ -33,7 +33,9 @@ class Triad(OverlayItem):
 
     def draw(self, canvas: Canvas) -> None:
         """See `OverlayItem.draw`."""
-        ends = [self.origin + share * self.length * axis for share, axis in zip(_SHARES, self.axes.T, strict=True)]
+        ends = [
+            self.origin + share * self.length * axis for share, axis in zip(_SHARES, self.axes.T, strict=True)
+        ]
         if not canvas.fine:
             for end in ends:
                 canvas.line(self.origin, end, 500.0 * self.width, self.color)

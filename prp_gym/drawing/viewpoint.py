@@ -18,10 +18,15 @@ _FILLED = 0.88  # of the frame
 _POST = np.array([[0.0, 0.0, -0.15], [0.0, 0.0, 0.2]])  # that carries the robot [m]
 _CORNERS = np.array([[a, b, c] for a in (-1.0, 1.0) for b in (-1.0, 1.0) for c in (-1.0, 1.0)])
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 24)
-_WORKSPACE = np.stack([0.56 * np.cos(_ROUND), 0.56 * np.sin(_ROUND), np.full_like(_ROUND, 0.15)], axis=-1)  # [m]
+_WORKSPACE = np.stack(
+    [0.56 * np.cos(_ROUND), 0.56 * np.sin(_ROUND), np.full_like(_ROUND, 0.15)], axis=-1
+)  # [m]
 _NEAR_TIP = 0.12  # [m]
 _SLIDE_RADIUS, _SLIDE_HEIGHT = 0.46, 0.15  # of the rear end of the slide, from the base [m]
-_ASIDE, _BESIDE = 40.0, 32.0  # of the camera from the middle of the motion, and from the surface's plane [deg]
+_ASIDE, _BESIDE = (
+    40.0,
+    32.0,
+)  # of the camera from the middle of the motion, and from the surface's plane [deg]
 _DOWN = -27.0  # elevation of the cameras [deg]
 _ROUNDS = 6
 
@@ -92,8 +97,8 @@ class Viewpoint:
         """A close view of the tip, at a position (3) [m]; `aspect` as in `of_contact`."""
         return cls.around(tip + _NEAR_TIP * _CORNERS, 130.0, aspect)
 
-    def place(self, camera: mujoco.MjvCamera) -> None:
-        """Place a free camera here."""
+    def set_camera(self, camera: mujoco.MjvCamera) -> None:
+        """Set a free camera to this view."""
         camera.type = int(mujoco.mjtCamera.mjCAMERA_FREE)
         camera.lookat[:] = self.lookat
         camera.distance, camera.azimuth, camera.elevation = self.distance, self.azimuth, self.elevation

@@ -12,7 +12,9 @@ import numpy as np
 
 from prp_gym.drawing.light import set_quality
 
-_MOST_GEOMS = 2500
+MOST_GEOMS = 2500
+"""Number of shapes that a scene holds, those of the model included."""
+
 _NOT_DRAWN = (
     "body_",
     "dof_",
@@ -48,11 +50,10 @@ class RendererPool:
             height: height of the frames [pixels].
         """
         set_quality(model, height)
-        model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
-        model.vis.global_.offheight = max(height, model.vis.global_.offheight)
+        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         key = (threading.current_thread(), width, height, _digest(model))
         if key not in self._open:
-            self._open[key] = SharedRenderer(mujoco.Renderer(model, height, width, max_geom=_MOST_GEOMS))
+            self._open[key] = SharedRenderer(mujoco.Renderer(model, height, width, max_geom=MOST_GEOMS))
         self._open[key].users += 1
         return key, self._open[key].renderer
 

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import mujoco
-import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.checks import choice, whole
@@ -53,7 +52,7 @@ def view(
     overlay: Sequence[OverlayItem],
     aspect: float,
 ) -> mujoco.MjvCamera:
-    """The camera of a name, placed for a state.
+    """The camera of a name, as it stands for a state.
 
     Args:
         model: Model of the simulation.
@@ -68,11 +67,11 @@ def view(
         camera.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
         camera.fixedcamid = model.camera(name).id
     elif name == "task":
-        Viewpoint.of_task(patch, overlay, aspect).place(camera)
+        Viewpoint.of_task(patch, overlay, aspect).set_camera(camera)
     elif patch is not None:
-        Viewpoint.of_contact(patch, aspect).place(camera)
+        Viewpoint.of_contact(patch, aspect).set_camera(camera)
     else:
-        Viewpoint.of_tip(data.site("tip").xpos, aspect).place(camera)
+        Viewpoint.of_tip(data.site("tip").xpos, aspect).set_camera(camera)
     return camera
 
 
@@ -206,17 +205,17 @@ class WindowRenderer:
             mujoco.mj_forward(self._model, self._data)
             self._viewer.user_scn.ngeom = 0
             patch = SurfacePatch.of(self._model, self._data)
-            self._place_camera(patch, overlay)
+            self._set_camera(patch, overlay)
             add_overlay(self._canvas, patch, overlay)
         self._viewer.sync()
 
-    def _place_camera(self, patch: SurfacePatch | None, overlay: Sequence[OverlayItem]) -> None:
-        """Place the camera in the first frame; afterwards the user moves it."""
+    def _set_camera(self, patch: SurfacePatch | None, overlay: Sequence[OverlayItem]) -> None:
+        """Set the camera in the first frame; afterwards the user moves it."""
         if self._camera is not None:
-            placed = view(self._model, self._data, self._camera, patch, overlay, _WINDOW_ASPECT)
+            set_to = view(self._model, self._data, self._camera, patch, overlay, _WINDOW_ASPECT)
             for name in ("type", "fixedcamid", "distance", "azimuth", "elevation"):
-                setattr(self._viewer.cam, name, getattr(placed, name))
-            self._viewer.cam.lookat[:] = placed.lookat
+                setattr(self._viewer.cam, name, getattr(set_to, name))
+            self._viewer.cam.lookat[:] = set_to.lookat
             self._camera = None
 
     def close(self) -> None:

@@ -38,8 +38,8 @@ _SCENERY = """
 <asset>
   <texture name="sky" type="skybox" builtin="gradient" rgb1="0.97 0.97 0.98" rgb2="0.80 0.83 0.87"
            width="32" height="32"/>
-  <texture name="floor" type="2d" builtin="checker" rgb1="0.80 0.81 0.82" rgb2="0.74 0.75 0.77" mark="edge"
-           markrgb="0.66 0.67 0.70" width="256" height="256"/>
+  <texture name="floor" type="2d" builtin="checker" rgb1="0.80 0.81 0.82" rgb2="0.74 0.75 0.77"
+           width="256" height="256"/>
   <material name="floor" texture="floor" texrepeat="10 10" texuniform="true" reflectance="0"/>
   <material name="base" rgba="0.23 0.25 0.28 1" specular="0.3"/>
   <material name="link" rgba="0.86 0.87 0.88 1" specular="0.6" shininess="0.6"/>

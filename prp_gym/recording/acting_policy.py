@@ -23,7 +23,7 @@ class ActingPolicy:
 
     Attributes:
         name: Name of the policy.
-        env: Environment that is drawn; to be closed by whoever records it.
+        env: Environment that is drawn; to be closed by the caller.
         policy: Policy for that environment.
     """
 
@@ -32,7 +32,9 @@ class ActingPolicy:
     policy: Policy
 
     @classmethod
-    def of_controller(cls, name: str, gains: GainsChoice, environment_id: str, keywords: dict[str, Any]) -> Self:
+    def of_controller(
+        cls, name: str, gains: GainsChoice, environment_id: str, keywords: dict[str, Any]
+    ) -> Self:
         """A controller, or a user's own as `path/to/file.py:Name` or `package.module:Name`.
 
         Args:

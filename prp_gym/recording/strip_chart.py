@@ -1,9 +1,10 @@
 """`StripChart`: a chart of some signals that runs with the time."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,7 +37,7 @@ class Trace:
 
 @dataclass(frozen=True)
 class StripChart:
-    """A chart in a rectangle of a picture.
+    """A chart in a rectangle of an image.
 
     Attributes:
         left: Left edge [pixels].
@@ -56,29 +57,29 @@ class StripChart:
     largest: float
     title: str
 
-    def draw(self, picture: "ImageDraw", font: object, time: Array, traces: Sequence[Trace]) -> None:
+    def draw(self, image: "ImageDraw", font: Any, time: Array, traces: Sequence[Trace]) -> None:
         """Draw the chart.
 
         Args:
-            picture: Picture to draw into.
+            image: Image to draw into.
             font: Font of the texts.
             time: Times of the values (k) [s].
             traces: Signals.
         """
         right, bottom = self.left + self.width, self.top + self.height
-        picture.rectangle((self.left, self.top, right, bottom), outline=GRAY, fill="#FFFFFF")
+        image.rectangle((self.left, self.top, right, bottom), outline=GRAY, fill="#FFFFFF")
         middle = self.top + self.height // 2
-        picture.line((self.left, middle, right, middle), fill=LIGHT_GRAY)
+        image.line((self.left, middle, right, middle), fill=LIGHT_GRAY)
         for trace in traces:
-            self._draw_trace(picture, time, trace)
+            self._draw_trace(image, time, trace)
         now = self._x(time[-1])
-        picture.line((now, self.top, now, bottom), fill=GRAY)
+        image.line((now, self.top, now, bottom), fill=GRAY)
         texts = ((self.title, "la", self.top + 3), (f"{self.largest:g}", "ra", self.top + 3))
         for text, anchor, y in texts:
             x = self.left + 5 if anchor == "la" else right - 5
-            picture.text((x, y), text, fill=BLACK, font=font, anchor=anchor)
+            image.text((x, y), text, fill=BLACK, font=font, anchor=anchor)
 
-    def _draw_trace(self, picture: "ImageDraw", time: Array, trace: Trace) -> None:
+    def _draw_trace(self, image: "ImageDraw", time: Array, trace: Trace) -> None:
         shown = np.isfinite(trace.values)
         if not shown.any():
             return
@@ -88,9 +89,9 @@ class StripChart:
         columns, last = np.unique(x.astype(int)[::-1], return_index=True)
         points = list(zip(columns.tolist(), y[::-1][last].tolist(), strict=True))
         thick = max(2, self.height // 40)
-        for start, end in zip(points[:-1], points[1:], strict=True):
+        for start, end in itertools.pairwise(points):
             if not trace.dashed or start[0] // _DASH % 2 == 0:
-                picture.line((*start, *end), fill=trace.color, width=thick)
+                image.line((*start, *end), fill=trace.color, width=thick)
 
     def _x(self, moment: float) -> int:
         return self.left + round(min(moment / self.duration, 1.0) * self.width)

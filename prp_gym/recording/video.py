@@ -24,9 +24,9 @@ class Video:
     """Size, rate and slowness of a video.
 
     Attributes:
-        width: Width of a picture [pixels].
-        height: Height of a picture [pixels].
-        fps: Pictures a second.
+        width: Width of an image [pixels].
+        height: Height of an image [pixels].
+        fps: Frames per second.
         slow: Factor by which the video is slower than the episode.
     """
 
@@ -47,27 +47,31 @@ class Video:
 
         Args:
             size: Width and height as WIDTHxHEIGHT [pixels].
-            fps: Pictures a second.
+            fps: Frames per second.
             slow: Factor by which the video is slower than the episode.
 
         Raises:
             InvalidValueError: a size of another form; a number out of bounds.
         """
         width, separator, height = size.partition(_SEPARATOR)
-        if not (separator and width.isascii() and width.isdecimal() and height.isascii() and height.isdecimal()):
+        if not (
+            separator and width.isascii() and width.isdecimal() and height.isascii() and height.isdecimal()
+        ):
             raise InvalidValueError("--size", size, "WIDTHxHEIGHT, such as 1280x720", "pixels")
         return cls(int(width), int(height), fps, slow)
 
     def count(self, duration: float) -> int:
-        """Number of pictures of an episode of a duration [s]; the last one shows its end."""
+        """Number of frames of an episode of a duration [s]; the last one shows its end."""
         return max(1, round(duration * self.slow * self.fps)) + 1
 
-    def pictures(self, sides: Sequence[Side], composer: Composer, duration: float) -> Iterator[NDArray[np.uint8]]:
-        """Run the episodes and compose the pictures, one after the other.
+    def frames(
+        self, sides: Sequence[Side], composer: Composer, duration: float
+    ) -> Iterator[NDArray[np.uint8]]:
+        """Run the episodes and compose the frames, one after the other.
 
         Args:
             sides: Episodes beside each other, just reset.
-            composer: Composer of the pictures.
+            composer: Composer of the frames.
             duration: Duration of the video in the time of the episodes [s].
         """
         for number in range(self.count(duration)):

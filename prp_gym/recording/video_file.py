@@ -1,4 +1,4 @@
-"""Writing of videos: mp4, gif, or a folder of pictures, complete or not at all."""
+"""Writing of videos: mp4, gif, or a folder of frames, complete or not at all."""
 
 import os
 import shutil
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from prp_gym.errors import InvalidValueError, MissingPackageError, OutputError
 from prp_gym.processes.leftovers import part_of, remove
 
-Pictures = Iterator[NDArray[np.uint8]]
-"""Pictures (height, width, 3) of one size."""
+Frames = Iterator[NDArray[np.uint8]]
+"""Frames (height, width, 3) of one size."""
 
 _FORMATS = (".mp4", ".gif", "")
 _HUNDREDTHS = 100  # of a second: the unit of a gif's delays
@@ -25,9 +25,9 @@ def check_output(path: Path, width: int, height: int, fps: int) -> None:
 
     Args:
         path: Path of the video: `.mp4`, `.gif`, or a folder.
-        width: Width of the pictures [pixels].
-        height: Height of the pictures [pixels].
-        fps: Pictures a second.
+        width: Width of the frames [pixels].
+        height: Height of the frames [pixels].
+        fps: Frames per second.
 
     Raises:
         InvalidValueError: another format; for an mp4 an odd size, for a gif a rate that is no divisor of 100.
@@ -49,24 +49,24 @@ def check_output(path: Path, width: int, height: int, fps: int) -> None:
     _refuse_existing(path)
 
 
-def write_video(path: Path, pictures: Pictures, size: tuple[int, int], fps: int) -> None:
+def write_video(path: Path, frames: Frames, size: tuple[int, int], fps: int) -> None:
     """Write a video; a file that is not complete never has its name.
 
     Args:
         path: Path of the video: `.mp4`, `.gif`, or a folder.
-        pictures: Pictures of the video, in their order.
-        size: Width and height of the pictures [pixels].
-        fps: Pictures a second.
+        frames: Frames of the video, in their order.
+        size: Width and height of the frames [pixels].
+        fps: Frames per second.
 
     Raises:
         OutputError: the video cannot be written, or its path exists already.
     """
-    writers: dict[str, Callable[[Path, Pictures, tuple[int, int], int], None]]
+    writers: dict[str, Callable[[Path, Frames, tuple[int, int], int], None]]
     writers = {".mp4": _write_mp4, ".gif": _write_gif, "": _write_folder}
     part = part_of(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        writers[path.suffix.lower()](part, pictures, size, fps)
+        writers[path.suffix.lower()](part, frames, size, fps)
         _refuse_existing(path)
         os.rename(part, path)
     except OSError as error:
@@ -81,7 +81,7 @@ def _refuse_existing(path: Path) -> None:
         raise OutputError(path, "it exists already; remove it, or choose another name with --output")
 
 
-def _write_mp4(path: Path, pictures: Pictures, size: tuple[int, int], fps: int) -> None:
+def _write_mp4(path: Path, frames: Frames, size: tuple[int, int], fps: int) -> None:
     import imageio_ffmpeg
 
     writer = imageio_ffmpeg.write_frames(
@@ -97,26 +97,26 @@ def _write_mp4(path: Path, pictures: Pictures, size: tuple[int, int], fps: int) 
     )
     writer.send(None)
     try:
-        for picture in pictures:
-            writer.send(np.ascontiguousarray(picture))
+        for image in frames:
+            writer.send(np.ascontiguousarray(image))
     finally:
         writer.close()
 
 
-def _write_gif(path: Path, pictures: Pictures, size: tuple[int, int], fps: int) -> None:
+def _write_gif(path: Path, frames: Frames, size: tuple[int, int], fps: int) -> None:
     from PIL import Image
 
-    reduced = (Image.fromarray(picture).quantize(_COLORS) for picture in pictures)
+    reduced = (Image.fromarray(image).quantize(_COLORS) for image in frames)
     first = next(reduced)
     delay = 1000 // fps
     first.save(path, format="GIF", save_all=True, append_images=reduced, duration=delay, loop=0, disposal=1)
 
 
-def _write_folder(path: Path, pictures: Pictures, size: tuple[int, int], fps: int) -> None:
+def _write_folder(path: Path, frames: Frames, size: tuple[int, int], fps: int) -> None:
     from PIL import Image
 
     if path.exists():
         shutil.rmtree(path)
     path.mkdir()
-    for number, picture in enumerate(pictures):
-        Image.fromarray(picture).save(path / f"frame_{number:05d}.png")
+    for number, image in enumerate(frames):
+        Image.fromarray(image).save(path / f"frame_{number:05d}.png")

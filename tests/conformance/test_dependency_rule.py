@@ -35,7 +35,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "runs": ("envs", "baselines", "agents", "tuning"),
     "recording": ("envs", "baselines", "agents", "runs"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
-    "cli": ("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs", "recording", "comparison"),
+    "cli": (
+        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs"),
+        *("recording", "comparison"),
+    ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
 
