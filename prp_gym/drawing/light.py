@@ -7,6 +7,7 @@ from prp_gym.drawing.canvas import FINE
 
 _SPREAD = 0.018  # [rad] of the lamp, as seen from the robot
 _LAMPS = 4
+_SOFT = 600  # height of a frame from which on shadows have soft edges [pixels]
 
 
 def set_quality(model: mujoco.MjModel, height: int) -> None:
@@ -22,7 +23,9 @@ def set_quality(model: mujoco.MjModel, height: int) -> None:
 
 
 def set_light(scene: mujoco.MjvScene, height: int) -> None:
-    """Replace the lamp that casts shadows by several beside each other; small frames have no shadows.
+    """Replace the lamp that casts shadows by several beside each other in large frames.
+
+    Small frames have no shadows, and those between have a lamp without extent.
 
     Args:
         scene: Scene of a frame, just updated.
@@ -30,7 +33,7 @@ def set_light(scene: mujoco.MjvScene, height: int) -> None:
     """
     scene.flags[int(mujoco.mjtRndFlag.mjRND_SHADOW)] = height >= FINE
     lamps = [index for index in range(scene.nlight) if scene.lights[index].castshadow]
-    if height < FINE or len(lamps) != 1:
+    if height < _SOFT or len(lamps) != 1:
         return
     lamp = scene.lights[lamps[0]]
     middle = np.array(lamp.dir, dtype=np.float64)
