@@ -1,8 +1,7 @@
 """Images as readers with deuteranopia see them: `python -m docs.colour_vision IMAGE.png ...`.
 
 Source: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, A Physiologically-based Model for Simulation of
-    Color Vision Deficiency, IEEE Transactions on Visualization and Computer Graphics 15(6), 2009: deuteranomaly of
-    severity 1.0, applied to linear RGB.
+    Color Vision Deficiency, IEEE TVCG 15(6), 2009: deuteranomaly of severity 1.0, applied to linear RGB.
 """
 
 import sys

@@ -1,6 +1,7 @@
 """The command `prp-gym record`: what its videos show, and what it refuses."""
 
 import builtins
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +83,7 @@ def test_frames_show_the_episode_and_its_numbers(drawing: None, tmp_path: Path, 
     frames = frames_of(tmp_path / "frames")
     assert len(frames) == 5
     assert all(frame.shape == (144, 192, 3) for frame in frames)
-    assert all((one != other).any() for one, other in zip(frames[:-1], frames[1:], strict=True))
+    assert all((one != other).any() for one, other in itertools.pairwise(frames))
     assert [line.split("   ")[0] for line in lines] == [
         f"force_inner_position: t {0.1 * number:.2f} s" for number in range(5)
     ]
@@ -117,6 +118,16 @@ def test_two_policies_see_the_same_episode(drawing: None, tmp_path: Path, lines:
     assert (first[22:105, 2:94] == first[22:105, 98:190]).all()  # the same start
     assert (last[22:105, 2:94] != last[22:105, 98:190]).mean() > 0.02
     assert lines[-2] != lines[-1].replace("operational_pd", "force_inner_position")
+
+
+def test_agent_acts_beside_a_controller(drawing: None, tmp_path: Path, lines: list[str]) -> None:
+    agent, task = "PRP-Impedance-v0/ppo_admittance", "PRP-Impedance-v0"
+    record(task, "--agent", agent, "--vs", "impedance", *SHORT, "--output", str(tmp_path / "frames"))
+    assert len(frames_of(tmp_path / "frames")) == 5
+    assert lines[-2].startswith(f"{agent}: t 0.4")
+    assert lines[-1].startswith("impedance: t 0.40 s")
+    with pytest.raises(InvalidValueError, match="trained on PRP-Force-v0"):
+        record(FORCE, "--agent", agent, *SHORT, "--output", str(tmp_path / "none"))
 
 
 def test_settings_change_the_first_policy_alone(drawing: None, tmp_path: Path, lines: list[str]) -> None:
