@@ -25,10 +25,10 @@ def seen(color: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
     return simulate(np.array([[rgb(color)]], dtype=np.uint8))[0, 0].astype(float)
 
 
-@pytest.mark.parametrize("pair", list(itertools.combinations(MEANINGS, 2)))
-def test_colours_with_a_meaning_differ_with_deuteranopia(pair: tuple[str, str]) -> None:
+@pytest.mark.parametrize("colors", list(itertools.combinations(MEANINGS, 2)))
+def test_colours_with_a_meaning_differ_with_deuteranopia(colors: tuple[str, str]) -> None:
     # pure red and pure green of equal lightness, which nobody with deuteranopia tells apart, are 15 apart
-    assert np.abs(seen(pair[0]) - seen(pair[1])).max() > 40.0
+    assert np.abs(seen(colors[0]) - seen(colors[1])).max() > 40.0
 
 
 def test_deuteranopia_leaves_grey_and_brings_red_and_green_together() -> None:

@@ -1,4 +1,4 @@
-"""The overlay of frames tells the truth: present reference, trail, forces with their values, phase."""
+"""The overlay of frames: present reference, trail, forces with their values, phase of contact."""
 
 from typing import Any
 

@@ -24,7 +24,7 @@ from prp_gym.processes.leftovers import part_of
 
 FORCE = "PRP-Force-v0"
 SHORT = ("--duration", "0.4", "--fps", "10", "--size", "192x144", "--scenario", "report")
-LAW = ("--baseline", "force_inner_position")
+CONTROLLER = ("--baseline", "force_inner_position")
 
 
 def record(*arguments: str) -> str:
@@ -58,7 +58,7 @@ def lines(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_mp4_has_the_size_the_rate_and_a_frame_for_every_moment(drawing: None, tmp_path: Path) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "new folder" / "force.mp4"
-    output = record(FORCE, *LAW, *SHORT, "--output", str(path))
+    output = record(FORCE, *CONTROLLER, *SHORT, "--output", str(path))
     reader = imageio_ffmpeg.read_frames(str(path))
     facts = next(reader)
     assert facts["size"] == (192, 144)
@@ -71,7 +71,7 @@ def test_mp4_has_the_size_the_rate_and_a_frame_for_every_moment(drawing: None, t
 
 def test_gif_has_every_frame_for_its_time(drawing: None, tmp_path: Path) -> None:
     path = tmp_path / "force.gif"
-    record(FORCE, *LAW, *SHORT, "--slow", "2", "--output", str(path))
+    record(FORCE, *CONTROLLER, *SHORT, "--slow", "2", "--output", str(path))
     with Image.open(path) as image:
         assert image.size == (192, 144)
         assert getattr(image, "n_frames") == 9  # noqa: B009 (Pillow declares no type)
@@ -79,7 +79,7 @@ def test_gif_has_every_frame_for_its_time(drawing: None, tmp_path: Path) -> None
 
 
 def test_frames_show_the_episode_and_its_numbers(drawing: None, tmp_path: Path, lines: list[str]) -> None:
-    record(FORCE, *LAW, *SHORT, "--output", str(tmp_path / "frames"))
+    record(FORCE, *CONTROLLER, *SHORT, "--output", str(tmp_path / "frames"))
     frames = frames_of(tmp_path / "frames")
     assert len(frames) == 5
     assert all(frame.shape == (144, 192, 3) for frame in frames)
@@ -94,7 +94,7 @@ def test_frames_show_the_episode_and_its_numbers(drawing: None, tmp_path: Path, 
 def test_numbers_are_those_of_the_episode(drawing: None, tmp_path: Path, lines: list[str]) -> None:
     import gymnasium
 
-    record(FORCE, *LAW, *SHORT, "--duration", "1", "--fps", "1", "--output", str(tmp_path / "frames"))
+    record(FORCE, *CONTROLLER, *SHORT, "--duration", "1", "--fps", "1", "--output", str(tmp_path / "frames"))
     env = gymnasium.make(FORCE, scenario="report")
     policy = prp_gym.make_baseline("force_inner_position", env)
     observation, state = env.reset(seed=0)[0], None
@@ -107,13 +107,13 @@ def test_numbers_are_those_of_the_episode(drawing: None, tmp_path: Path, lines: 
 
 def test_two_policies_see_the_same_episode(drawing: None, tmp_path: Path, lines: list[str]) -> None:
     path = tmp_path / "same"
-    record(FORCE, *LAW, "--vs", "force_inner_position", *SHORT, "--output", str(path))
+    record(FORCE, *CONTROLLER, "--vs", "force_inner_position", *SHORT, "--output", str(path))
     for frame in frames_of(path):
         np.testing.assert_array_equal(frame[22:105, 2:94], frame[22:105, 98:190])
     assert lines[0::2] == lines[1::2]
     lines.clear()
     path = tmp_path / "other"
-    record(FORCE, *LAW, "--vs", "operational_pd", *SHORT, "--output", str(path))
+    record(FORCE, *CONTROLLER, "--vs", "operational_pd", *SHORT, "--output", str(path))
     first, last = frames_of(path)[0], frames_of(path)[-1]
     assert (first[22:105, 2:94] == first[22:105, 98:190]).all()  # the same start
     assert (last[22:105, 2:94] != last[22:105, 98:190]).mean() > 0.02
@@ -143,7 +143,7 @@ def test_existing_video_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "force.gif"
     path.write_bytes(b"mine")
     with pytest.raises(OutputError, match="exists already"):
-        record(FORCE, *LAW, *SHORT, "--output", str(path))
+        record(FORCE, *CONTROLLER, *SHORT, "--output", str(path))
     assert path.read_bytes() == b"mine"
 
 
@@ -156,7 +156,7 @@ def test_recording_that_fails_leaves_nothing(
     monkeypatch.setattr(Image.Image, "quantize", broken)
     path = tmp_path / "force.gif"
     with pytest.raises(OutputError, match="no space left"):
-        record(FORCE, *LAW, *SHORT, "--output", str(path))
+        record(FORCE, *CONTROLLER, *SHORT, "--output", str(path))
     assert list(tmp_path.iterdir()) == []
     assert not part_of(path).exists()
 
@@ -176,7 +176,7 @@ def test_missing_package_is_named_with_its_install_line(
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(MissingPackageError, match=rf"{named}.*pip install 'prp-gym\[record\]'"):
-        record(FORCE, *LAW, *SHORT, "--output", str(tmp_path / f"force.{suffix}"))
+        record(FORCE, *CONTROLLER, *SHORT, "--output", str(tmp_path / f"force.{suffix}"))
 
 
 @pytest.mark.parametrize(
