@@ -31,7 +31,7 @@ _OPTIONS = """
   <global fovy="35" offwidth="1920" offheight="1080"/>
   <headlight ambient="0.38 0.38 0.38" diffuse="0.22 0.22 0.22" specular="0.05 0.05 0.05"/>
   <quality shadowsize="2048"/>
-  <map znear="0.01" zfar="20" shadowclip="1.0"/>
+  <map znear="0.01" zfar="20" shadowclip="2.0"/>
 </visual>"""
 
 _SCENERY = """

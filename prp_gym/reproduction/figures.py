@@ -33,7 +33,7 @@ _DPI = 100
 COLORS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE)
 """Colours of the runs of a figure in their order; a figure cannot have more runs."""
 
-_RUN_LINES = ("-", "-.", ":", (0, (6, 1, 1, 1, 1, 1)))
+_RUN_LINES = ("-", (0, (8, 1, 1, 1)), (0, (4, 1)), (0, (6, 1, 1, 1, 1, 1)))
 
 REFERENCE_LABEL = "reference"
 """Label of the reference in legends and data; no run may have the same."""
@@ -162,7 +162,7 @@ def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str,
     levels = _draw_levels(axes, item)
     lines: dict[str, Artist] = {}
     for index, curve in enumerate(item.curves):  # thin over thick: equal curves are both seen
-        width = 2.6 if index == 0 else 1.4
+        width = 2.6 if index == 0 else 1.7
         color = colors[curve.run]
         dashes = _RUN_LINES[COLORS.index(color)]
         (line,) = axes.plot(curve.time, curve.values, color=color, linewidth=width, linestyle=dashes)
