@@ -16,13 +16,14 @@ from prp_gym.drawing.palette import (
     rgba,
     series_style,
 )
+from prp_gym.robot.arrays import Array
 
 MEANINGS = (REFERENCE, MEASURED, FORCE, SURFACE)
 
 
-def seen(color: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def seen(color: str) -> Array:
     """A colour as it is seen with deuteranopia."""
-    return simulate(np.array([[rgb(color)]], dtype=np.uint8))[0, 0].astype(float)
+    return np.array(simulate(np.array([[rgb(color)]], dtype=np.uint8))[0, 0], dtype=np.float64)
 
 
 @pytest.mark.parametrize("colors", list(itertools.combinations(MEANINGS, 2)))
