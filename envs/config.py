@@ -91,7 +91,10 @@ class EnvConfig:
     )
     width: int = field(default=480, metadata=describe("pixel", "width of frames"))
     height: int = field(default=480, metadata=describe("pixel", "height of frames"))
-    camera: str = field(default="overview", metadata=describe("", "camera: `overview` or `top`"))
+    camera: str = field(
+        default="task",
+        metadata=describe("", "camera: `task`, which frames what matters, `contact`, `overview` or `top`"),
+    )
 
     def __post_init__(self) -> None:
         load_scenario(self.scenario)

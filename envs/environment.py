@@ -118,8 +118,10 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         if values.shape != self._action_shape:
             raise ShapeError("action", values.shape, f"{self._action_shape}")
         observation, reward, terminated, truncated, numbers = self._loop.step(values[None])
-        if self.render_mode == "human":
-            self.render()
+        if self.render_mode is not None:
+            self.record_tip()
+            if self.render_mode == "human":
+                self.render()
         return observation[0], reward.item(), terminated.item(), truncated.item(), self._info(numbers)
 
     def _info(self, numbers: Array) -> dict[str, Any]:
@@ -127,7 +129,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         return dict(zip(self._info_names, numbers.flat))  # noqa: B905 (`strict` takes time in every step)
 
     def render(self) -> NDArray[Any] | None:
-        """Draw the arm, the goal, the reference path, the surface and the contact force.
+        """Draw the robot, its reference, the trail of the tip, the surface and the forces.
 
         Returns:
             Colours (height, width, 3) uint8 in mode `rgb_array`, distances (height, width) float32 [m] in

@@ -10,12 +10,14 @@ from gymnasium.spaces import Box
 from numpy.typing import NDArray
 
 from prp_gym.checks import as_numbers, check_finite, choice
+from prp_gym.drawing.overlay import OverlayItem
 from prp_gym.envs.action_mode import ActionField
 from prp_gym.envs.config import RENDER_MODES, EnvConfig
 from prp_gym.envs.core.info import InfoField
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.make_loop import make_loop
 from prp_gym.envs.episode_spec import EpisodeSpec
+from prp_gym.envs.frame_overlay import episode_overlay
 from prp_gym.envs.saved_state import (
     EnvState,
     check_generators,
@@ -24,9 +26,10 @@ from prp_gym.envs.saved_state import (
     is_equal,
     restore_loop,
 )
+from prp_gym.envs.tip_history import TipHistory
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.physics.batch_simulation import Simulation
-from prp_gym.physics.rendering import OffscreenRenderer, OverlayItem, WindowRenderer, force_arrow
+from prp_gym.physics.rendering import OffscreenRenderer, WindowRenderer
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
@@ -52,6 +55,7 @@ class LoopEnvironment:
     spec = EpisodeSpec()
     _loop: EpisodeLoop
     _renderer: OffscreenRenderer | WindowRenderer | None = None
+    _history: TipHistory | None = None
 
     def new_loop(self, num_envs: int, num_threads: int) -> EpisodeLoop:
         """Make another loop of N environments with these keywords."""
@@ -205,12 +209,17 @@ class LoopEnvironment:
         self.require_started("render")
 
     def overlay(self, index: int) -> list[OverlayItem]:
-        """The overlay of one environment's frames: goal, reference path, contact force."""
-        overlay = self.task.overlay(index, self.duration)
-        force = self.physics.contact_force[index]
-        if np.any(force):
-            overlay.append(force_arrow(self.physics.tip_position[index], force))
-        return overlay
+        """The overlay of one environment's frames: reference, trail of the tip, forces, phase of contact."""
+        return episode_overlay(self._loop, self._tip_history(), index)
+
+    def record_tip(self) -> None:
+        """Record where the tips are, for the trails in later frames; environments that are drawn call it."""
+        self._tip_history().record(self._loop)
+
+    def _tip_history(self) -> TipHistory:
+        if self._history is None:
+            self._history = TipHistory(self._loop)
+        return self._history
 
     def require_started(self, method: str) -> None:
         """Refuse a method that needs an episode before the first one has begun.

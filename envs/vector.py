@@ -192,6 +192,13 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         values = as_numbers("actions", actions)
         if values.shape != self.action_space.shape:
             raise ShapeError("actions", values.shape, f"{self.action_space.shape}")
+        steps = self._advance(values)
+        if self.render_mode is not None:
+            self.record_tip()
+        return steps
+
+    def _advance(self, values: Array) -> Steps:
+        """A step, with the resets that the mode of autoreset asks for."""
         ended = self._ended
         waiting = bool(np.count_nonzero(ended))
         if waiting and self.autoreset_mode is AutoresetMode.DISABLED:

@@ -6,33 +6,33 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.physics.rendering import GOAL_COLOR, PATH_COLOR, Ball, OverlayItem, Path
+from prp_gym.drawing.overlay import Ball, OverlayItem, Path
+from prp_gym.drawing.palette import REFERENCE, rgba
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import DESIRED_FORCE, JOINT_REFERENCE_FIELDS, POSE_REFERENCE_FIELDS, Field
 from prp_gym.tasks.parts import Reference
 from prp_gym.tasks.trajectory import Trajectory
 
-_PATH_POINTS = 120
-_GOAL_SIZE = 0.025  # m
+_PATH_POINTS = 301
+_GOAL_SIZE = 0.012  # m
+_GOAL_COLOR, _PATH_COLOR = rgba(REFERENCE), rgba(REFERENCE, 0.8)
 
 
 def path_overlay(
-    trajectory: Trajectory, goal: Array, tip_path: Callable[[Trajectory, Array], Array], duration: float
+    trajectory: Trajectory, tip_path: Callable[[Trajectory, Array], Array], duration: float
 ) -> list[OverlayItem]:
-    """The overlay of a reference: the goal of the tip as a ball, and its path where the reference moves.
+    """The overlay of a whole reference: the path of the tip, or a ball at the goal where it does not move.
 
     Args:
         trajectory: Reference of one environment, one row.
-        goal: Position of the tip at the end of a moving reference (3) [m].
         tip_path: Function that gives the tip positions (..., 1, 3) [m] at times (..., 1) [s].
         duration: Duration of the path [s].
     """
     if trajectory.is_constant:
-        return [Ball(tip_path(trajectory, np.zeros(1))[0], _GOAL_SIZE, GOAL_COLOR)]
+        return [Ball(tip_path(trajectory, np.zeros(1))[0], _GOAL_SIZE, _GOAL_COLOR)]
     time = np.linspace(0.0, duration, _PATH_POINTS)[:, None]
-    path = Path(tip_path(trajectory, time)[:, 0], 2.0, PATH_COLOR)
-    return [Ball(goal, _GOAL_SIZE, GOAL_COLOR), path]
+    return [Path(tip_path(trajectory, time)[:, 0], 2.0, _PATH_COLOR)]
 
 
 def sample_pose(arm: PRPArm, trajectory: Trajectory, time: Array) -> Array:
@@ -72,8 +72,7 @@ class JointSpaceReference(Reference):
     def overlay(self, index: int, duration: float) -> list[OverlayItem]:
         """See `Reference.overlay`."""
         trajectory = self.trajectory.rows(np.array([index]))
-        goal = self._arm.forward_kinematics(trajectory.goal[0])[:3]
-        return path_overlay(trajectory, goal, self._tip_path, duration)
+        return path_overlay(trajectory, self._tip_path, duration)
 
     def _tip_path(self, trajectory: Trajectory, time: Array) -> Array:
         return self._arm.forward_kinematics(trajectory.sample(time)[..., :3])[..., :3]
@@ -99,9 +98,7 @@ class PoseSpaceReference(Reference):
     def overlay(self, index: int, duration: float) -> list[OverlayItem]:
         """See `Reference.overlay`."""
         trajectory = self.trajectory.rows(np.array([index]))
-        goal = trajectory.goal[0]
-        tip = goal[:3] if len(goal) == 6 else self._arm.forward_kinematics(goal)[:3]
-        return path_overlay(trajectory, tip, self._tip_path, duration)
+        return path_overlay(trajectory, self._tip_path, duration)
 
     def _tip_path(self, trajectory: Trajectory, time: Array) -> Array:
         return sample_pose(self._arm, trajectory, time)[..., :3]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.checks import choice, within
+from prp_gym.drawing.overlay import OverlayItem
 from prp_gym.envs.base.references import path_overlay
 from prp_gym.envs.base.scoring import LINK_SCORING
 from prp_gym.envs.config import describe
@@ -16,7 +17,6 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.physics.batch_simulation import Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.physics.link_simulation import LinkPhysics
-from prp_gym.physics.rendering import OverlayItem
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
 from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND, Field
@@ -203,7 +203,7 @@ class LinkReference(Reference):
     def overlay(self, index: int, duration: float) -> list[OverlayItem]:
         """See `Reference.overlay`."""
         trajectory = self.trajectory.rows(np.array([index]))
-        return path_overlay(trajectory, _tip(trajectory.goal[0, 0]), _tip_path, duration)
+        return path_overlay(trajectory, _tip_path, duration)
 
 
 class LinkErrors(ErrorFunction):

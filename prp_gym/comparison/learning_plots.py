@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, TUNING, new_figure, to_png
+from prp_gym.comparison.plots import COLORS, GRID, TUNING, mode_style, new_figure, to_png
 from prp_gym.comparison.statistics import best_of, score_of
 from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, Condition, Entry, History
+from prp_gym.drawing.palette import Style
 from prp_gym.robot.arrays import Array
 
 if TYPE_CHECKING:
@@ -57,12 +58,12 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
     }
     agents = [entry.policy for own in panels.values() for entry in own if entry.kind == AGENT]
     names = enumerate(dict.fromkeys(agents))
-    colors = {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in names}
+    styles = {name: mode_style(index) for index, name in names}
     lines: dict[str, Artist] = {}
     for axes in grid[len(panels) :]:
         axes.set_axis_off()
     for axes, (key, entries) in zip(grid, panels.items(), strict=False):
-        lines |= _draw_panel(axes, entries, colors, levels.get(key, {}))
+        lines |= _draw_panel(axes, entries, styles, levels.get(key, {}))
         axes.set(title=f"{short_id(key[0])}, {key[1]}", xlabel="simulated time [s]", ylabel="score")
     figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3, frameon=False)
     return to_png(figure)
@@ -82,14 +83,15 @@ def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[En
 
 
 def _draw_panel(
-    axes: "Axes", entries: Sequence[Entry], colors: Mapping[str, str], levels: Mapping[str, float]
+    axes: "Axes", entries: Sequence[Entry], styles: Mapping[str, Style], levels: Mapping[str, float]
 ) -> dict[str, "Artist"]:
     """Draw one panel; returns its lines by label."""
     lines: dict[str, Artist] = {}
     for entry in (entry for entry in entries if entry.kind == AGENT):
         time, scores = common_curve(entry.histories)
-        color = colors[entry.policy]
-        (lines[entry.policy],) = axes.plot(time, np.median(scores, axis=0), color=color, linewidth=1.8)
+        color, style, _ = styles[entry.policy]
+        median = np.median(scores, axis=0)
+        (lines[entry.policy],) = axes.plot(time, median, style, color=color, linewidth=1.8)
         axes.fill_between(time, scores.min(axis=0), scores.max(axis=0), color=color, alpha=0.18, linewidth=0)
     for index, entry in enumerate(entry for entry in entries if entry.kind == CONTROLLER):
         history, style = entry.histories[0], _DASHES[index % len(_DASHES)]

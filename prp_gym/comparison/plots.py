@@ -15,31 +15,28 @@ from prp_gym.comparison.statistics import (
 )
 from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, KINDS, Condition
+from prp_gym.drawing.palette import BLUE, GRAY, LIGHT_GRAY, SERIES, SKY_BLUE, VERMILLION, Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLORS = {CONTROLLER: "#0b5fa5", AGENT: "#d1661f", FLOOR: "#777777"}
+COLORS = {CONTROLLER: BLUE, AGENT: VERMILLION, FLOOR: GRAY}
 """Colours of the kinds of policies."""
 
-TUNING = "#5aa7dd"
+TUNING = SKY_BLUE
 """Colour of the searches for the gains of controllers."""
 
-MODE_COLORS = (
-    "#d1661f",
-    "#5a9e3d",
-    "#8d5bb8",
-    "#b01030",
-    "#e0a82e",
-    "#3aa6a0",
-    "#8c564b",
-    "#e377c2",
-    "#555555",
-)
-"""Colours of agents, by action mode."""
+GRID = LIGHT_GRAY
+_MODES = tuple(style for style in SERIES if style.color not in COLORS.values())
 
-GRID = "#dddddd"
+
+def mode_style(index: int) -> Style:
+    """Style of an action mode by its position: repeated colours have another line style."""
+    round_, position = divmod(index, len(_MODES))
+    return _MODES[position]._replace(line=_MODES[(position + round_) % len(_MODES)].line)
+
+
 _DPI = 100
 _MARKERS = {CONTROLLER: "o", AGENT: "D", FLOOR: "x"}
 _MICROSECONDS = 1e6
@@ -68,15 +65,14 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
     shown = [item for item in aggregates if item.family != BEST_AGENT]
     families = list(dict.fromkeys(item.family for item in shown))
     modes = [name for name in families if name not in (BEST_CONTROLLER, BEST_FLOOR)]
-    colors = {BEST_CONTROLLER: COLORS[CONTROLLER], BEST_FLOOR: COLORS[FLOOR]}
-    colors |= {name: MODE_COLORS[index % len(MODE_COLORS)] for index, name in enumerate(modes)}
+    styles = {BEST_CONTROLLER: (COLORS[CONTROLLER], "-"), BEST_FLOOR: (COLORS[FLOOR], "--")}
+    styles |= {name: mode_style(index)[:2] for index, name in enumerate(modes)}
     count = max(1, len(scenarios))  # without a family of policies the only panel stays empty
     figure = new_figure(6.0 * count, 5.5)
     for axes, scenario in zip(figure.subplots(1, count, squeeze=False)[0], scenarios, strict=False):
         for item in (item for item in shown if item.scenario == scenario):
-            profile, color = item.profile, colors[item.family]
+            profile, (color, style) = item.profile, styles[item.family]
             label = f"{item.family} ({item.tasks} tasks)" if item.tasks > 1 else f"{item.family} (1 task)"
-            style = "--" if item.family == BEST_FLOOR else "-"
             axes.plot(profile.thresholds, profile.value, style, color=color, linewidth=1.8, label=label)
             axes.fill_between(
                 profile.thresholds, profile.low, profile.high, color=color, alpha=0.15, linewidth=0

@@ -8,6 +8,7 @@ import mujoco
 from prp_gym.errors import InvalidValueError
 from prp_gym.physics.scene import (
     FLOOR_HEIGHT,
+    SURFACE_GROUP,
     check_timestep,
     compile_mjcf,
     geom,
@@ -139,7 +140,8 @@ def _arm(parameters: RobotParameters, world: PhysicsSettings) -> str:
 
 
 def _surface_body() -> str:
-    return '<body name="surface">' + geom("plane", "0.22 0.22 0.01", "surface", "", "surface") + "</body>"
+    plane = geom("plane", "0.22 0.22 0.01", "surface", "", "surface", SURFACE_GROUP)
+    return f'<body name="surface">{plane}</body>'
 
 
 def _surface_contact(world: PhysicsSettings) -> str:

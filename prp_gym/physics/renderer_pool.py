@@ -10,7 +10,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-_MOST_GEOMS = 1000
+from prp_gym.drawing.light import set_quality
+
+MOST_GEOMS = 2500
+"""Number of shapes that a scene holds, those of the model included."""
+
 _NOT_DRAWN = (
     "body_",
     "dof_",
@@ -41,15 +45,15 @@ class RendererPool:
         """A renderer, and the key under which it is given back.
 
         Args:
-            model: model of the world; its offscreen buffer is made as large as the frames.
+            model: model of the world; its quality and its offscreen buffer are set for the frames.
             width: width of the frames [pixels].
             height: height of the frames [pixels].
         """
-        model.vis.global_.offwidth = max(width, model.vis.global_.offwidth)
-        model.vis.global_.offheight = max(height, model.vis.global_.offheight)
+        set_quality(model, height)
+        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         key = (threading.current_thread(), width, height, _digest(model))
         if key not in self._open:
-            self._open[key] = SharedRenderer(mujoco.Renderer(model, height, width, max_geom=_MOST_GEOMS))
+            self._open[key] = SharedRenderer(mujoco.Renderer(model, height, width, max_geom=MOST_GEOMS))
         self._open[key].users += 1
         return key, self._open[key].renderer
 

@@ -6,24 +6,23 @@ import threading
 import warnings
 import weakref
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
-import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.checks import choice, whole
+from prp_gym.drawing.canvas import Canvas
+from prp_gym.drawing.floor_scale import FloorScale
+from prp_gym.drawing.light import set_light
+from prp_gym.drawing.overlay import Arrow, Ball, OverlayItem, Path
+from prp_gym.drawing.surface_patch import SurfacePatch
+from prp_gym.drawing.viewpoint import Viewpoint
 from prp_gym.errors import RenderingError
 from prp_gym.physics.renderer_pool import RendererPool
-from prp_gym.physics.scene import CAMERAS
-from prp_gym.robot.arrays import Array
+from prp_gym.physics.scene import CAMERAS, FIXED_CAMERAS, FLOOR_HEIGHT, SURFACE_GROUP
 
-Color = tuple[float, float, float, float]
-
-GOAL_COLOR: Color = (0.10, 0.65, 0.25, 0.75)
-PATH_COLOR: Color = (0.15, 0.40, 0.85, 0.80)
-FORCE_COLOR: Color = (0.90, 0.15, 0.10, 1.0)
+__all__ = ["Arrow", "Ball", "OffscreenRenderer", "OverlayItem", "Path", "WindowRenderer", "check_view"]
 
 NO_DISPLAY = (
     "render_mode 'human' opens a window and this machine has no display (DISPLAY and WAYLAND_DISPLAY are"
@@ -32,78 +31,55 @@ NO_DISPLAY = (
 _POOL = RendererPool()
 _MOST_PIXELS = 8192  # along one side of a frame
 _CLOSING_TIMEOUT = 5.0  # [s]
+_WINDOW_HEIGHT = 720  # [pixels], about: the fineness of what is drawn
+_WINDOW_ASPECT = 1.5
 
 
-@dataclass(frozen=True, eq=False)
-class Ball:
-    """A ball in the world frame, with its centre (3) [m] and radius [m]."""
-
-    center: Array
-    radius: float
-    color: Color
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """A line through points (k, 3) in the world frame [m], with its width in pixels."""
-
-    points: Array
-    width: float
-    color: Color
-
-
-@dataclass(frozen=True, eq=False)
-class Arrow:
-    """An arrow from a point along a vector, both (3) in the world frame [m]."""
-
-    start: Array
-    vector: Array
-    width: float
-    color: Color
-
-
-OverlayItem = Ball | Path | Arrow
-
-_METRES_PER_NEWTON = 0.02
-_ABOVE_TIP = np.array([0.0, 0.0, 0.05])  # [m]: beside the tip, which may be hidden by a surface
-
-
-def force_arrow(tip_position: Array, force: Array) -> Arrow:
-    """Arrow for a force (3) [N] of the tip, drawn a little above the tip (3) [m] at 2 cm per newton."""
-    return Arrow(tip_position + _ABOVE_TIP, force * _METRES_PER_NEWTON, 0.008, FORCE_COLOR)
-
-
-def add_overlay(scene: mujoco.MjvScene, overlay: Sequence[OverlayItem]) -> None:
-    """Append the items of an overlay to a scene; items that exceed its capacity are left out."""
+def add_overlay(canvas: Canvas, patch: SurfacePatch | None, overlay: Sequence[OverlayItem]) -> None:
+    """Add the items of an overlay to a scene, the scale on the floor, and the surface if there is one."""
     for item in overlay:
-        match item:
-            case Ball():
-                size = np.full(3, item.radius)
-                _add_geom(scene, mujoco.mjtGeom.mjGEOM_SPHERE, size, item.center, item.color)
-            case Path():
-                for start, end in zip(item.points[:-1], item.points[1:], strict=True):
-                    _add_connector(scene, mujoco.mjtGeom.mjGEOM_LINE, item.width, start, end, item.color)
-            case Arrow():
-                end = item.start + item.vector
-                _add_connector(scene, mujoco.mjtGeom.mjGEOM_ARROW, item.width, item.start, end, item.color)
+        item.draw(canvas)
+    FloorScale(FLOOR_HEIGHT).draw(canvas)
+    if patch is not None:
+        patch.draw(canvas)
 
 
-def _add_geom(scene: mujoco.MjvScene, kind: Any, size: Array, position: Array, color: Color) -> Any:
-    if scene.ngeom >= scene.maxgeom:
-        return None
-    geom = scene.geoms[scene.ngeom]
-    scene.ngeom += 1
-    rgba = np.array(color, dtype=np.float32)
-    mujoco.mjv_initGeom(geom, kind, size, np.asarray(position, dtype=np.float64), np.eye(3).ravel(), rgba)
-    return geom
+def view(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    name: str,
+    patch: SurfacePatch | None,
+    overlay: Sequence[OverlayItem],
+    aspect: float,
+) -> mujoco.MjvCamera:
+    """The camera of a name, as it stands for a state.
+
+    Args:
+        model: Model of the simulation.
+        data: State to look at.
+        name: Name of the camera, one of `CAMERAS`.
+        patch: Elastic surface; None in a world without one.
+        overlay: Overlay of the frame, whose paths the camera `task` includes.
+        aspect: Width of the frame in parts of its height.
+    """
+    camera = mujoco.MjvCamera()
+    if name in FIXED_CAMERAS:
+        camera.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
+        camera.fixedcamid = model.camera(name).id
+    elif name == "task":
+        Viewpoint.of_task(patch, overlay, aspect).set_camera(camera)
+    elif patch is not None:
+        Viewpoint.of_contact(patch, aspect).set_camera(camera)
+    else:
+        Viewpoint.of_tip(data.site("tip").xpos, aspect).set_camera(camera)
+    return camera
 
 
-def _add_connector(
-    scene: mujoco.MjvScene, kind: Any, width: float, start: Array, end: Array, color: Color
-) -> None:
-    geom = _add_geom(scene, kind, np.zeros(3), np.zeros(3), color)
-    if geom is not None:
-        mujoco.mjv_connector(geom, kind, width, np.asarray(start), np.asarray(end))
+def _without_plane() -> mujoco.MjvOption:
+    """Options that hide the plane of the surface, of which a patch with an edge is drawn instead."""
+    options = mujoco.MjvOption()
+    options.geomgroup[SURFACE_GROUP] = 0
+    return options
 
 
 class OffscreenRenderer:
@@ -116,7 +92,7 @@ class OffscreenRenderer:
         model: Model of the simulation to render; its offscreen buffer is made as large as the frame.
         width: Width of the frame [pixels].
         height: Height of the frame [pixels].
-        camera: Name of the camera, `overview` or `top`.
+        camera: Name of the camera, one of `CAMERAS`.
 
     Raises:
         RenderingError: This machine provides no OpenGL context.
@@ -126,7 +102,7 @@ class OffscreenRenderer:
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int, camera: str) -> None:
         check_view(width, height, camera)
-        self._camera = camera
+        self._camera, self._height, self._aspect = camera, height, width / height
         try:
             key, self._renderer = _POOL.borrow(model, width, height)
         except (RuntimeError, AttributeError, ImportError, mujoco.FatalError) as error:
@@ -135,6 +111,7 @@ class OffscreenRenderer:
                 " MUJOCO_GL=egl (or osmesa) before mujoco is first imported, and install Mesa's EGL library"
                 " (Debian: libegl1)."
             ) from error
+        self._canvas = Canvas(self._renderer.model, self._renderer.scene, height)
         self._give_back = weakref.finalize(self, _POOL.give_back, key)
         self._give_back.atexit = False  # by then OpenGL itself may have ended
 
@@ -151,13 +128,16 @@ class OffscreenRenderer:
         Returns:
             (height, width, 3) uint8, or (height, width) float32 distance from the camera [m].
         """
+        patch = SurfacePatch.of(self._renderer.model, data)
+        camera = view(self._renderer.model, data, self._camera, patch, overlay, self._aspect)
         if depth:
             self._renderer.enable_depth_rendering()
+            self._renderer.update_scene(data, camera)
         else:
             self._renderer.disable_depth_rendering()
-        self._renderer.update_scene(data, camera=self._camera)
-        if not depth:
-            add_overlay(self._renderer.scene, overlay)
+            self._renderer.update_scene(data, camera, _without_plane())
+            set_light(self._renderer.scene, self._height)
+            add_overlay(self._canvas, patch, overlay)
         frame: NDArray[Any] = self._renderer.render().copy()
         return frame
 
@@ -187,7 +167,7 @@ class WindowRenderer:
     Args:
         model: Model of the simulation to show.
         data: The viewer's own copy of the state; `show` updates it.
-        camera: Name of the camera, `overview` or `top`.
+        camera: Name of the camera, one of `CAMERAS`.
 
     Raises:
         RenderingError: There is no display.
@@ -208,9 +188,10 @@ class WindowRenderer:
         except (RuntimeError, ImportError, mujoco.FatalError) as error:
             raise RenderingError(f"render_mode 'human' needs a display and OpenGL: {error}") from error
         self._threads = set(threading.enumerate()) - before
+        self._camera: str | None = camera
+        self._canvas = Canvas(model, self._viewer.user_scn, _WINDOW_HEIGHT)
         with self._viewer.lock():
-            self._viewer.cam.type = int(mujoco.mjtCamera.mjCAMERA_FIXED)
-            self._viewer.cam.fixedcamid = model.camera(camera).id
+            self._viewer.opt.geomgroup[SURFACE_GROUP] = 0
 
     def show(self, model: mujoco.MjModel, data: mujoco.MjData, overlay: Sequence[OverlayItem]) -> None:
         """Update the window, including the position of the surface."""
@@ -223,8 +204,19 @@ class WindowRenderer:
             self._data.qvel[:] = data.qvel
             mujoco.mj_forward(self._model, self._data)
             self._viewer.user_scn.ngeom = 0
-            add_overlay(self._viewer.user_scn, overlay)
+            patch = SurfacePatch.of(self._model, self._data)
+            self._set_camera(patch, overlay)
+            add_overlay(self._canvas, patch, overlay)
         self._viewer.sync()
+
+    def _set_camera(self, patch: SurfacePatch | None, overlay: Sequence[OverlayItem]) -> None:
+        """Set the camera in the first frame; afterwards the user moves it."""
+        if self._camera is not None:
+            set_to = view(self._model, self._data, self._camera, patch, overlay, _WINDOW_ASPECT)
+            for name in ("type", "fixedcamid", "distance", "azimuth", "elevation"):
+                setattr(self._viewer.cam, name, getattr(set_to, name))
+            self._viewer.cam.lookat[:] = set_to.lookat
+            self._camera = None
 
     def close(self) -> None:
         """Close the window and wait for its thread; a process that ends before its thread would crash."""

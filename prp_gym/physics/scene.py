@@ -12,7 +12,15 @@ from prp_gym.robot.parameters import Vector3
 FLOOR_HEIGHT = -0.15
 """Height of the drawn floor [m], below the workspace of all robots. It has no contacts."""
 
-CAMERAS = ("overview", "top")
+FIXED_CAMERAS = ("overview", "top")
+"""Cameras that are part of every model."""
+
+CAMERAS = (*FIXED_CAMERAS, "task", "contact")
+"""All cameras. `task` frames what matters in the task: the arm and its reference path, or the contact and the
+arm beside it; `contact` is a close view of the contact, or of the tip in free space."""
+
+SURFACE_GROUP = 2
+"""Group of the geom of the elastic surface, an unbounded plane; frames show a patch of it with an edge."""
 
 _OPTIONS = """
 <compiler angle="radian" autolimits="false"/>
@@ -20,23 +28,24 @@ _OPTIONS = """
         gravity="0 0 {gravity!r}"><flag contact="{contact}" island="disable"/></option>
 <statistic center="0.15 -0.1 0.2" extent="1.0"/>
 <visual>
-  <headlight ambient="0.30 0.30 0.30" diffuse="0.25 0.25 0.25" specular="0.05 0.05 0.05"/>
-  <quality shadowsize="1024"/>
-  <map znear="0.01" zfar="20" shadowclip="2.5"/>
+  <global fovy="35" offwidth="1920" offheight="1080"/>
+  <headlight ambient="0.38 0.38 0.38" diffuse="0.22 0.22 0.22" specular="0.05 0.05 0.05"/>
+  <quality shadowsize="2048"/>
+  <map znear="0.01" zfar="20" shadowclip="2.0"/>
 </visual>"""
 
 _SCENERY = """
 <asset>
-  <texture name="sky" type="skybox" builtin="gradient" rgb1="0.80 0.88 0.95" rgb2="0.45 0.55 0.68"
+  <texture name="sky" type="skybox" builtin="gradient" rgb1="0.97 0.97 0.98" rgb2="0.80 0.83 0.87"
            width="32" height="32"/>
-  <texture name="floor" type="2d" builtin="checker" rgb1="0.62 0.64 0.66" rgb2="0.55 0.57 0.60"
+  <texture name="floor" type="2d" builtin="checker" rgb1="0.80 0.81 0.82" rgb2="0.74 0.75 0.77"
            width="256" height="256"/>
-  <material name="floor" texture="floor" texrepeat="5 5" texuniform="true" reflectance="0"/>
-  <material name="base" rgba="0.25 0.27 0.30 1" specular="0.3"/>
-  <material name="link" rgba="0.74 0.77 0.80 1" specular="0.6" shininess="0.6"/>
-  <material name="slide" rgba="0.20 0.45 0.70 1" specular="0.4"/>
-  <material name="third" rgba="0.90 0.55 0.20 1" specular="0.4"/>
-  <material name="tip" rgba="0.75 0.15 0.15 1" specular="0.4"/>
+  <material name="floor" texture="floor" texrepeat="10 10" texuniform="true" reflectance="0"/>
+  <material name="base" rgba="0.23 0.25 0.28 1" specular="0.3"/>
+  <material name="link" rgba="0.86 0.87 0.88 1" specular="0.6" shininess="0.6"/>
+  <material name="slide" rgba="0.58 0.61 0.65 1" specular="0.4"/>
+  <material name="third" rgba="0.86 0.87 0.88 1" specular="0.4"/>
+  <material name="tip" rgba="0.12 0.13 0.15 1" specular="0.6" shininess="0.6"/>
   <material name="surface" rgba="0.35 0.75 0.50 0.30" specular="0"/>
 </asset>
 <worldbody>
@@ -86,12 +95,12 @@ def inertial(mass: float, center: Vector3, moments: Vector3) -> str:
     return f'<inertial mass="{mass!r}" pos="{numbers(*center)}" diaginertia="{numbers(*moments)}"/>'
 
 
-def geom(kind: str, size: str, material: str, position: str, name: str = "") -> str:
+def geom(kind: str, size: str, material: str, position: str, name: str = "", group: int = 1) -> str:
     """A geom that is drawn and has no contacts."""
     label = f'name="{name}" ' if name else ""
     return (
         f'<geom {label}type="{kind}" size="{size}" material="{material}" {position}'
-        ' contype="0" conaffinity="0" group="1"/>'
+        f' contype="0" conaffinity="0" group="{group}"/>'
     )
 
 

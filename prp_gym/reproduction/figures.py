@@ -9,6 +9,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from prp_gym.drawing.palette import (
+    BLACK,
+    BLUE,
+    BLUISH_GREEN,
+    GRAY,
+    LIGHT_GRAY,
+    ORANGE,
+    REDDISH_PURPLE,
+    VERMILLION,
+)
 from prp_gym.reproduction.experiment import Panel
 from prp_gym.reproduction.outcome import FigureOutcome
 from prp_gym.reproduction.signals import find_signal, series
@@ -20,15 +30,17 @@ if TYPE_CHECKING:
 
 _SIZE = (10.0, 7.0)  # inches
 _DPI = 100
-COLORS = ("#0b5fa5", "#d1661f", "#5a9e3d", "#8d5bb8")
+COLORS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE)
 """Colours of the runs of a figure in their order; a figure cannot have more runs."""
+
+_RUN_LINES = ("-", (0, (8, 1, 1, 1)), (0, (4, 1)), (0, (6, 1, 1, 1, 1, 1)))
 
 REFERENCE_LABEL = "reference"
 """Label of the reference in legends and data; no run may have the same."""
 
-_REFERENCE = "#222222"
-_PREDICTED = "#b01030"
-_LEVEL = "#777777"
+_REFERENCE = BLACK
+_PREDICTED = ORANGE
+_LEVEL = GRAY
 _PREDICTED_STYLES = ("-", "--", ":")
 
 
@@ -150,14 +162,16 @@ def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str,
     levels = _draw_levels(axes, item)
     lines: dict[str, Artist] = {}
     for index, curve in enumerate(item.curves):  # thin over thick: equal curves are both seen
-        width = 2.6 if index == 0 else 1.2
-        (line,) = axes.plot(curve.time, curve.values, color=colors[curve.run], linewidth=width)
+        width = 2.6 if index == 0 else 1.7
+        color = colors[curve.run]
+        dashes = _RUN_LINES[COLORS.index(color)]
+        (line,) = axes.plot(curve.time, curve.values, color=color, linewidth=width, linestyle=dashes)
         lines[_with_subscripts(curve.label)] = line
     for curve in item.reference:
         (line,) = axes.plot(curve.time, curve.values, color=_REFERENCE, linewidth=1.1, linestyle="--")
         lines[curve.label] = line
     axes.set_ylabel(f"{item.symbol} [{item.unit}]")
-    axes.grid(True, color="#dddddd", linewidth=0.6)
+    axes.grid(True, color=LIGHT_GRAY, linewidth=0.6)
     axes.margins(y=0.08)
     if item.limits:
         axes.set_ylim(*item.limits)

@@ -17,8 +17,8 @@ from prp_gym.tasks.fields import MEASURED_FIELDS, Field, ObservationLayout
 from prp_gym.tasks.trajectory import Trajectory
 
 if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
+    from prp_gym.drawing.overlay import OverlayItem
     from prp_gym.physics.batch_simulation import Simulation
-    from prp_gym.physics.rendering import OverlayItem
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,8 @@ from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskSpec
 
 if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
+    from prp_gym.drawing.overlay import OverlayItem
     from prp_gym.physics.batch_simulation import Simulation
-    from prp_gym.physics.rendering import OverlayItem
 
 
 class Task:

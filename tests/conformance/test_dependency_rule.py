@@ -21,7 +21,7 @@ PACKAGES = {
 
 CORE_PACKAGES = (
     *("errors", "checks", "registry", "artifacts", "files", "plugins", "processes"),
-    *("robot", "physics", "tasks", "evaluation"),
+    *("robot", "drawing", "physics", "tasks", "evaluation"),
 )
 """They import each other alone."""
 
@@ -33,8 +33,12 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "tuning": ("baselines",),
     "reproduction": ("baselines",),
     "runs": ("envs", "baselines", "agents", "tuning"),
+    "recording": ("envs", "baselines", "agents", "runs"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
-    "cli": ("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs", "comparison"),
+    "cli": (
+        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs"),
+        *("recording", "comparison"),
+    ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
 
@@ -47,6 +51,7 @@ MORE_THIRD_PARTY = {
     "comparison": {"matplotlib", "rich"},
     "evaluation": {"rich"},
     "files": {"yaml"},
+    "recording": {"PIL", "imageio_ffmpeg"},
     "reproduction": {"matplotlib", "rich"},
     "runs": {"cloudpickle", "joblib", "ray", "rich"},
     "tuning": {"optuna"},

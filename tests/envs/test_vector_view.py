@@ -134,7 +134,7 @@ def test_one_among_many_is_neither_stepped_nor_reset_nor_closed() -> None:
 
 def arrows(env: PRPVectorEnv) -> list[int]:
     """Environments that are drawn with a force."""
-    return [index for index in range(N) if any(isinstance(item, Arrow) for item in env.overlay(index))]
+    return [index for index in range(N) if any(type(item) is Arrow for item in env.overlay(index))]
 
 
 @pytest.mark.parametrize(

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from prp_gym.physics import CAMERAS, LinkPhysics, link_to_mjcf
-from prp_gym.physics.scene import FLOOR_HEIGHT
+from prp_gym.physics import LinkPhysics, link_to_mjcf
+from prp_gym.physics.scene import FIXED_CAMERAS, FLOOR_HEIGHT
 from prp_gym.robot import NOMINAL_LINK, Link, LinkParameters
 from tests.support.pinocchio_model import Array
 
@@ -237,7 +237,7 @@ def test_document_names_what_the_arms_does_and_survives_export() -> None:
         model = mujoco.MjModel.from_xml_string(document)
         assert (model.nbody, model.nv, model.nu, model.npair) == (2, 1, 1, 0)
         assert {model.body(1).name, model.site(0).name, model.joint(0).name} == {"link_1", "tip", "joint_1"}
-        assert tuple(model.camera(index).name for index in range(model.ncam)) == CAMERAS
+        assert tuple(model.camera(index).name for index in range(model.ncam)) == FIXED_CAMERAS
         for name in ("jnt_limited", "actuator_ctrllimited", "geom_contype", "geom_conaffinity"):
             assert not getattr(model, name).any(), name
         assert model.opt.timestep == 0.0025

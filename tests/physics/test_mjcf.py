@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.physics import CAMERAS, TIP_RADIUS, Physics, PhysicsSettings, to_mjcf
+from prp_gym.physics import TIP_RADIUS, Physics, PhysicsSettings, to_mjcf
+from prp_gym.physics.scene import FIXED_CAMERAS
 from prp_gym.robot import NOMINAL, REPORT, PRPArm, RobotParameters
 from tests.support.pinocchio_model import Array, random_arm, random_states
 
@@ -210,7 +211,7 @@ def test_world_has_the_declared_timestep_and_integrator() -> None:
 
 def test_cameras_are_fixed_and_the_top_one_looks_straight_down() -> None:
     model = mujoco.MjModel.from_xml_string(to_mjcf())
-    assert tuple(model.camera(index).name for index in range(model.ncam)) == CAMERAS
+    assert tuple(model.camera(index).name for index in range(model.ncam)) == FIXED_CAMERAS
     assert (model.cam_bodyid == 0).all()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

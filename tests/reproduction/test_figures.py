@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from prp_gym.drawing.palette import rgb
 from prp_gym.reproduction import FigureOutcome, Level, Panel, RecordedRun, Verdict, load_catalogue
 from prp_gym.reproduction.figures import COLORS, axes_of, draw, table
 from tests.support.synthetic_rollout import rollout_of
@@ -89,8 +90,7 @@ def test_as_many_runs_as_there_are_colours_are_told_apart() -> None:
     with Image.open(io.BytesIO(draw(full))) as frame:
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
     for color in COLORS:
-        rgb = [int(color[start : start + 2], 16) for start in (1, 3, 5)]
-        assert (np.abs(pixels - rgb) < 20).all(axis=-1).sum() > 300
+        assert (np.abs(pixels - rgb(color)) < 20).all(axis=-1).sum() > 300
     assert len(table(full).splitlines()[0].split(",")) == 1 + len(COLORS)
 
 
@@ -100,7 +100,7 @@ def test_runs_keep_their_colour_in_every_axes() -> None:
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
     blue, orange = (
         (np.abs(pixels - color) < 20).all(axis=-1)[:640]  # without the legend
-        for color in ([11, 95, 165], [209, 102, 31])
+        for color in (rgb(COLORS[0]), rgb(COLORS[1]))
     )
     assert blue[:310].sum() > 500
     assert blue[340:].sum() == 0

@@ -1,0 +1,1 @@
+"""What frames show beside the robot: palette, overlay items, surface, light and points of view."""

@@ -1,0 +1,55 @@
+"""`Side`: one episode of a video, with the numbers so far."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.recording.acting_policy import ActingPolicy
+from prp_gym.recording.signals import ErrorSignal, Sample, sample
+
+_ALMOST = 1e-9  # [s]
+
+
+class Side:
+    """An episode that is run as far as the video has come.
+
+    Args:
+        acting: Policy and environment.
+        seed: Random seed of the episode.
+
+    Attributes:
+        name: Name of the policy.
+        error: Error of the task that is shown.
+        samples: Numbers after every control period so far, the first from the reset.
+        ended: Whether the episode is over.
+    """
+
+    def __init__(self, acting: ActingPolicy, seed: int) -> None:
+        self.name = acting.name
+        self._env, self._policy = acting.env, acting.policy
+        self._observation, _ = self._env.reset(seed=seed)
+        self._loop: EpisodeLoop = self._env.get_wrapper_attr("loop")
+        self._state: Any = None
+        self._started = np.array([True])
+        self.error = ErrorSignal.of(self._loop)
+        self.samples: list[Sample] = [sample(self._loop, self.error)]
+        self.ended = False
+
+    def advance(self, time: float) -> None:
+        """Run the episode up to a time since its start [s], or to its end."""
+        while not self.ended and self.samples[-1].time < time - _ALMOST:
+            action, self._state = self._policy.predict(self._observation, self._state, self._started, True)
+            self._observation, _, terminated, truncated, _ = self._env.step(action)
+            self._started = np.array([False])
+            self.ended = bool(terminated or truncated)
+            self.samples.append(sample(self._loop, self.error))
+
+    def frame(self) -> NDArray[np.uint8]:
+        """The frame of the present moment (height, width, 3)."""
+        return np.asarray(self._env.render(), dtype=np.uint8)
+
+    def close(self) -> None:
+        """Close the environment."""
+        self._env.close()
