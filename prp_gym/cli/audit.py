@@ -5,7 +5,17 @@ from typing import Annotated, Any
 
 import typer
 
-from prp_gym.cli.options import Backend, Environments, FirstSeed, Fresh, ParallelWorkers, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Environments,
+    Episodes,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    Resume,
+    Scenarios,
+    Seed,
+)
 from prp_gym.comparison.agents import find_agents
 from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, Audit, audit_rewards
 from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
@@ -19,21 +29,21 @@ from prp_gym.runs.selection import Selection
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
 
+_DEFAULT_SCENARIOS = ["realistic"]
+
 
 def audit_command(
     env: Environments = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option(help="Scenario; repeatable. Default: realistic.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each policy on each environment.")] = 20,
-    seed: FirstSeed = 0,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    episodes: Episodes = 20,
+    seed: Seed = 0,
     draws: Annotated[
         int, typer.Option(help="Random gains in all for the controllers intended for an environment.", min=1)
     ] = 30,
-    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("audit"),
+    output: Output = Path("audit"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    fresh: Fresh = False,
+    resume: Resume = True,
     plugin: Plugins = None,
 ) -> None:
     """Audit the reward: whether the score ranks policies as control engineers would.
@@ -43,10 +53,10 @@ def audit_command(
     contradicts a criterion.
     """
     workers = Workers(jobs, backend)
-    selected = Selection.of(env or [], scenario or ["realistic"], [], GainsChoice())
+    selected = Selection.of(env or [], scenario, [], GainsChoice())
     check_protocol(episodes, seed)
     listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
-    run = Run(output, workers, selected.controllers, fresh)
+    run = Run(output, workers, selected.controllers, fresh=not resume)
     with run.hold(listed):
         records = run.records(listed, "auditing")
         audits = audit_rewards(group_conditions(map(_single, records)), seed)

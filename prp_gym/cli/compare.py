@@ -1,20 +1,21 @@
 """The command `prp-gym compare`."""
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from prp_gym.artifacts import write_file
 from prp_gym.cli.options import (
+    AgentPaths,
     Backend,
     ControllerNames,
     Environments,
-    FirstSeed,
-    Fresh,
+    Episodes,
     Gains,
+    Output,
     ParallelWorkers,
     Plugins,
+    Resume,
+    Scenarios,
+    Seed,
     Settings,
 )
 from prp_gym.comparison.agents import find_agents
@@ -44,23 +45,16 @@ _DEFAULT_SCENARIOS = ["randomized", "realistic"]
 def compare_command(
     env: Environments = None,
     baseline: ControllerNames = None,
-    agent: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Additional agent: its file, or a folder with one file for each training seed; repeatable."
-        ),
-    ] = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option(help="Scenario; repeatable. Default: randomized and realistic.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each policy on each environment.")] = 50,
-    seed: FirstSeed = 0,
+    agent: AgentPaths = None,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    episodes: Episodes = 50,
+    seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    output: Annotated[Path, typer.Option(help="Folder for results.json and figures.")] = Path("comparison"),
+    output: Output = Path("comparison"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    fresh: Fresh = False,
+    resume: Resume = True,
     plugin: Plugins = None,
 ) -> None:
     """Compare classical controllers and learned agents on the same episodes.
@@ -70,12 +64,12 @@ def compare_command(
     """
     workers = Workers(jobs, backend)
     chosen = GainsChoice.read(gains, settings or ())
-    selected = Selection.of(env or [], scenario or _DEFAULT_SCENARIOS, baseline or [], chosen)
+    selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
     agents = find_agents(selected.environment_ids, agent or [])
     listed = list_comparison_jobs(selected, agents, episodes, seed)
     selected.check_used(listed)
-    run = Run(output, workers, selected.controllers, fresh)
+    run = Run(output, workers, selected.controllers, fresh=not resume)
     with run.hold(listed):
         records = run.records(listed, "comparing")
         outcome = Outcome.of(records, seed)

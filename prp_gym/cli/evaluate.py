@@ -2,20 +2,23 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.table import Table
 
 from prp_gym.cli.options import (
     Backend,
+    ControlFrequency,
     ControllerNames,
     Environments,
-    FirstSeed,
-    Fresh,
+    Episodes,
     Gains,
+    Output,
     ParallelWorkers,
     Plugins,
+    Resume,
+    Scenarios,
+    Seed,
     Settings,
 )
 from prp_gym.evaluation.evaluate import check_protocol
@@ -39,27 +42,26 @@ _DEFAULT_SCENARIOS = ["report", "randomized"]
 def evaluate_command(
     env: Environments = None,
     baseline: ControllerNames = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option(help="Scenario; repeatable. Default: report and randomized.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each controller on each environment.")] = 20,
-    seed: FirstSeed = 0,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    episodes: Episodes = 20,
+    seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
-    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
+    control_frequency: ControlFrequency = 500.0,
+    output: Output = Path("results"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    fresh: Fresh = False,
+    resume: Resume = True,
     plugin: Plugins = None,
 ) -> None:
     """Evaluate controllers and print a table.
 
-    A run that was interrupted goes on where it stopped when the same command is given again.
+    Every controller is run on every environment that observes what it reads. A run that was interrupted goes
+    on where it stopped when the same command is given again.
     """
     workers = Workers(jobs, backend)
     chosen = GainsChoice.read(gains, settings or ())
-    selected = Selection.of(env or [], scenario or _DEFAULT_SCENARIOS, baseline or [], chosen)
+    selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
     listed = list_jobs(
         selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
@@ -67,7 +69,7 @@ def evaluate_command(
     selected.check_used(listed)
     floors = list_floors(selected.conditions, control_frequency, episodes, seed)
     jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
-    run = Run(output, workers, selected.controllers, fresh)
+    run = Run(output, workers, selected.controllers, fresh=not resume)
     with run.hold(jobs_to_run):
         records = run.records(jobs_to_run, "evaluating")
         conditions = _conditions(records)

@@ -1,6 +1,8 @@
 """The command `prp-gym`."""
 
+import inspect
 import sys
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from typing import Annotated
 
@@ -24,11 +26,26 @@ from prp_gym.runs.terminal import make_console
 
 _USAGE_ERROR = 2
 
+COMMANDS: Mapping[str, Callable[..., None]] = {
+    "audit": audit_command,
+    "compare": compare_command,
+    "evaluate": evaluate_command,
+    "export": export_command,
+    "list": list_command,
+    "reproduce": reproduce_command,
+    "ship": ship_command,
+    "ship-gains": ship_gains_command,
+    "train": train_command,
+    "tune": tune_command,
+    "tune-all": tune_all_command,
+    "zoo": zoo_command,
+}
+"""The functions of the commands by name."""
+
 app = typer.Typer(
     name="prp-gym",
     help="Gymnasium environments and classical baselines for the PRP arm.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -48,18 +65,13 @@ def common(
     """Gymnasium environments and classical baselines for the PRP arm."""
 
 
-app.command("audit")(audit_command)
-app.command("compare")(compare_command)
-app.command("evaluate")(evaluate_command)
-app.command("export")(export_command)
-app.command("list")(list_command)
-app.command("reproduce")(reproduce_command)
-app.command("ship")(ship_command)
-app.command("ship-gains")(ship_gains_command)
-app.command("tune")(tune_command)
-app.command("tune-all")(tune_all_command)
-app.command("train")(train_command)
-app.command("zoo")(zoo_command)
+def _paragraphs(text: str | None) -> str:
+    """A docstring without the line breaks inside its paragraphs, which a terminal sets anew."""
+    return "\n\n".join(" ".join(part.split()) for part in inspect.cleandoc(text or "").split("\n\n"))
+
+
+for _name, _command in COMMANDS.items():
+    app.command(_name, help=_paragraphs(_command.__doc__))(_command)
 
 
 def main() -> None:

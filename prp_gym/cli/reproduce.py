@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.cli.options import Plugins
+from prp_gym.cli.options import Output, Plugins
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
@@ -21,10 +21,10 @@ _FAILED = 1
 
 
 def reproduce_command(
-    figure: Annotated[list[int] | None, typer.Option(help="Figure; repeatable. Default: all.")] = None,
-    output: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = Path(
-        "results/reproduction"
-    ),
+    figure: Annotated[
+        list[int] | None, typer.Option(help="Number of a figure; repeatable.", show_default="all")
+    ] = None,
+    output: Output = Path("results/reproduction"),
     plugin: Plugins = None,
 ) -> None:
     """Run the report's experiments again: figures, and closed forms beside what is measured.

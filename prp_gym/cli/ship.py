@@ -18,7 +18,16 @@ from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.artifacts import to_plain, write_file
-from prp_gym.cli.options import Backend, FirstSeed, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Episodes,
+    Manifest,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    RecipeFile,
+    Seed,
+)
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
@@ -34,18 +43,12 @@ SCENARIOS = ("randomized", "realistic")
 
 def ship_command(
     runs: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("runs"),
-    output: Annotated[Path, typer.Option(help="Folder for the agents.")] = Path("agents/trained"),
-    manifest: Annotated[
-        Path | None, typer.Option(help="List of the agents in YAML, in place of the suite's own.")
-    ] = None,
-    config: Annotated[
-        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.")] = 100,
-    seed: FirstSeed = 0,
-    jobs: Annotated[
-        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
-    ] = 0,
+    output: Output = Path("agents/trained"),
+    manifest: Manifest = None,
+    config: RecipeFile = None,
+    episodes: Episodes = 100,
+    seed: Seed = 0,
+    jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     allow_missing: Annotated[
         bool, typer.Option("--allow-missing", help="Leave out what is not trained yet.")

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.cli.options import Plugins
+from prp_gym.cli.options import OutputOfPackage, Plugins
 from prp_gym.errors import InvalidValueError
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.runs.evaluation_job import make_environment
@@ -18,15 +18,14 @@ from prp_gym.tuning.tuned_controller import load_tuned_controller
 
 def ship_gains_command(
     searches: Annotated[Path, typer.Option(help="Folder of the searches.")] = Path("tuning"),
-    output: Annotated[
-        Path | None, typer.Option(help="Folder for their records. Default: that of the package.")
-    ] = None,
+    output: OutputOfPackage = None,
     plugin: Plugins = None,
 ) -> None:
     """Make the results of `tune-all` the `tuned` gains of their controllers, and keep their records.
 
-    The gains are written into the data files of the controllers, each with the search that found it and its
-    validation. Where a search found nothing better than its start, the gains stay as they are.
+    The records are written into the folder of the package unless --output names another. The gains are
+    written into the data files of the controllers, each with the search that found it and its validation.
+    Where a search found nothing better than its start, the gains stay as they are.
     """
     results = sorted(searches.glob(f"*/{RESULT}"))
     if not results:

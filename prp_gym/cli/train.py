@@ -10,10 +10,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 import gymnasium
 import typer
 
-from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import default_action_mode, read_groups
-from prp_gym.cli.options import Backend, Plugins
+from prp_gym.cli import completion
+from prp_gym.cli.options import (
+    Algorithm,
+    Backend,
+    DefaultActionMode,
+    Manifest,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    RecipeFile,
+    Resume,
+    Settings,
+)
 from prp_gym.cli.training_progress import show_results, train_seeds
 from prp_gym.errors import InvalidValueError
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console
@@ -29,7 +40,11 @@ _OF_ONE_GROUP = ("algo", "action_mode", "seeds", "first_seed")
 def train_command(
     context: typer.Context,
     env_id: Annotated[
-        str | None, typer.Argument(help="Id of a task or of its learning preset; none with --shipped.")
+        str | None,
+        typer.Argument(
+            help="Id of a task or of its learning preset; none with --shipped.",
+            autocompletion=completion.learning_ids,
+        ),
     ] = None,
     shipped: Annotated[
         bool,
@@ -37,24 +52,14 @@ def train_command(
             "--shipped", help="In place of an id: all agents that come with the suite, each with its recipe."
         ),
     ] = False,
-    manifest: Annotated[
-        Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
-    ] = None,
-    algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
-    action_mode: Annotated[
-        str | None,
-        typer.Option(help="Action mode. Default: that of the shipped agents, or of the recipes of --config."),
-    ] = None,
+    manifest: Manifest = None,
+    algo: Algorithm = "ppo",
+    action_mode: DefaultActionMode = None,
     seeds: Annotated[int, typer.Option(help="Number of training seeds, with one agent each.")] = 1,
     first_seed: Annotated[int, typer.Option(help="First training seed.")] = 0,
-    config: Annotated[
-        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="key=value in place of the recipe's, as in YAML; repeatable."),
-    ] = None,
-    output: Annotated[Path, typer.Option(help="Folder for the runs.")] = Path("runs"),
+    config: RecipeFile = None,
+    settings: Settings = None,
+    output: Output = Path("runs"),
     eval_every: Annotated[
         int,
         typer.Option(help="Steps between evaluations; 0: a tenth of all steps, with --shipped a twentieth."),
@@ -63,30 +68,23 @@ def train_command(
     checkpoint_every: Annotated[
         int, typer.Option(help="Steps between checkpoints; 0: as between evaluations.")
     ] = 0,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with runs that were interrupted.")] = False,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Remove runs that are there, and start over.")
-    ] = False,
+    resume: Resume = True,
     tensorboard: Annotated[
-        bool | None, typer.Option(help="Write TensorBoard's files. Default: unless --shipped.")
+        bool | None, typer.Option(help="Write TensorBoard's files.", show_default="unless --shipped")
     ] = None,
-    jobs: Annotated[
-        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
-    ] = 0,
+    jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     plugin: Plugins = None,
 ) -> None:
     """Train agents with Stable-Baselines3 and keep the best policy of each.
 
-    A seed whose run is finished is left as it is. A run that was interrupted goes on with --resume, which
-    --shipped implies: with new episodes, and all else as the last checkpoint has it.
+    A seed whose run is finished is left as it is. A run that was interrupted goes on when the same command is
+    given again: with new episodes, and all else as the last checkpoint has it.
     """
     workers = Workers(jobs, backend)
     _check_choice(context, env_id, shipped, manifest)
     _check_counts(seeds, first_seed, eval_every, eval_episodes, checkpoint_every)
-    if resume and fresh:
-        raise InvalidValueError("--resume together with --fresh", True, "one of them")
-    overrides = tuple(set_ or ())
+    overrides = tuple(settings or ())
     if env_id is None:
         groups = [(group.recipe(config, overrides), range(group.seeds)) for group in read_groups(manifest)]
     else:
@@ -99,7 +97,7 @@ def train_command(
         output.resolve(),
         _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes),
         checkpoint_every,
-        "fresh" if fresh else "resume" if resume or shipped else "refuse",
+        "resume" if resume else "fresh",
         not shipped if tensorboard is None else tensorboard,
         _recipe_options(config, overrides),
     )

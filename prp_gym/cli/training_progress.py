@@ -83,7 +83,7 @@ def _kept(jobs: Sequence["TrainingJob"]) -> str:
     kept = [f"{_name(job)} is kept at step {checkpoint_steps(job.folder)}" for job in begun]
     if finished:
         kept.insert(0, f"{len(finished)} of {len(jobs)} seeds are finished")
-    return "; ".join([*kept, "the same command with --resume goes on"]) if kept else ""
+    return "; ".join([*kept, "the same command without --fresh goes on"]) if kept else ""
 
 
 def _name(job: "TrainingJob") -> str:

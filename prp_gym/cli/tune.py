@@ -12,12 +12,28 @@ import typer
 from rich.table import Table
 
 import prp_gym
-from prp_gym.cli.options import Plugins, Settings
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.cli import completion
+from prp_gym.cli.options import (
+    Budget,
+    ControlFrequency,
+    Episodes,
+    OneController,
+    OneEnvironment,
+    Output,
+    Plugins,
+    Resume,
+    Scenarios,
+    Seed,
+    Settings,
+    StartGains,
+    only,
+)
+from prp_gym.errors import InvalidValueError
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.search import RESULT, Search
 from prp_gym.runs.search_plan import EPISODES, SCENARIOS
+from prp_gym.runs.selection import check_names
 from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.tuning_candidates import choose_controller, with_start_gains
 from prp_gym.tasks.registration import list_envs
@@ -25,81 +41,64 @@ from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tuned_controller import TunedController
 
+_DEFAULT_SCENARIOS = list(SCENARIOS)
+
 ControllerArgument = Annotated[
     str | None,
-    typer.Argument(help="Controller to tune, or your own as path/to/file.py:Name or package.module:Name."),
+    typer.Argument(help="Controller to tune, in place of --baseline.", autocompletion=completion.controllers),
 ]
-ControllerOption = Annotated[
-    str | None, typer.Option("--baseline", help="Controller to tune, as an option in place of the argument.")
-]
-StartGains = Annotated[
+Like = Annotated[
     str | None,
     typer.Option(
-        help="Gains from which the search starts: the name of a gain set, or a TOML file of settings. "
-        "Default: tuned, or tuned_50hz where that is unstable."
+        help="In place of --budget: an agent, name or path, whose simulated time is the budget.",
+        autocompletion=completion.agents,
     ),
 ]
 
 
 def tune_command(
-    env: Annotated[str, typer.Option(help="Environment id.")],
+    env: OneEnvironment,
     controller: ControllerArgument = None,
-    baseline: ControllerOption = None,
-    budget: Annotated[
-        int | None, typer.Option(help="Control steps to simulate at most, of all environments together.")
-    ] = None,
-    like: Annotated[
-        str | None,
-        typer.Option(
-            help="In place of --budget: an agent, name or path, whose simulated time is the budget."
-        ),
-    ] = None,
-    scenario: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Scenario; repeatable. The mean over them is maximised. Default: realistic and randomized."
-        ),
-    ] = None,
-    control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
-    episodes: Annotated[
-        int, typer.Option(help="Training episodes of every candidate, divided evenly among the scenarios.")
-    ] = EPISODES,
-    seed: Annotated[int, typer.Option(help="Seed of the search and of its training episodes.")] = 0,
+    baseline: OneController = None,
+    budget: Budget = None,
+    like: Like = None,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    control_frequency: ControlFrequency = 500.0,
+    episodes: Episodes = EPISODES,
+    seed: Seed = 0,
     gains: StartGains = None,
     settings: Settings = None,
-    output: Annotated[Path, typer.Option(help="Folder for the folder of the search.")] = Path("tuning"),
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with a search that was interrupted, if there is one.")
-    ] = False,
+    output: Output = Path("tuning"),
+    resume: Resume = True,
     plugin: Plugins = None,
 ) -> None:
     """Tune a controller with a budget of simulated steps, and validate the result on fresh episodes.
 
-    The ten best candidates are run on 20 fresh episodes, the best three of them on 100 more, together with
-    the gains from which the search started; these are the result unless a candidate is better.
+    The mean over the scenarios is maximised, among which the episodes of a candidate are divided. The search
+    starts from the gains `tuned`, or `tuned_50hz` where these are unstable. The ten best candidates are run
+    on 20 fresh episodes, the best three of them on 100 more, together with the gains from which the search
+    started; these are the result unless a candidate is better.
     """
-    if env not in list_envs():
-        raise UnknownNameError("environment", env, list_envs())
+    (environment_id,) = check_names("environment", [only("--env", env)], list_envs())
     steps = _budget(budget, like, control_frequency)
-    name = _one_name(controller, baseline)
+    name = _one_name(controller, baseline or [])
     choice, controllers = choose_controller(name, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
-        choice = with_start_gains(choice, controllers, env, control_frequency)
-    scenarios = tuple(scenario or SCENARIOS)
-    task = TuningTask(env, choice.name, scenarios, control_frequency, steps, episodes, seed)
+        choice = with_start_gains(choice, controllers, environment_id, control_frequency)
+    task = TuningTask(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes, seed)
     search = Search(task, choice, output, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
     _show(_run(search, controllers), search.folder / RESULT)
 
 
-def _one_name(controller: str | None, baseline: str | None) -> str:
+def _one_name(controller: str | None, baseline: Sequence[str]) -> str:
     """The controller, named by the argument or by the option.
 
     Raises:
         InvalidValueError: named by none of the two, or by both.
     """
-    given = [name for name in (controller, baseline) if name is not None]
+    given = [*([controller] if controller is not None else []), *baseline]
     if len(given) != 1:
-        raise InvalidValueError("controller and --baseline", (controller, baseline), "exactly one of the two")
+        raise InvalidValueError("controller and --baseline", given, "exactly one name by the two together")
     return given[0]
 
 

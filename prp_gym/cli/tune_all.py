@@ -10,7 +10,17 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from prp_gym.cli.options import Backend, Environments, ParallelWorkers, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Budget,
+    ControllerNames,
+    Environments,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    Resume,
+    Seed,
+)
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
@@ -25,29 +35,25 @@ _FAILED = 1  # exit code
 
 def tune_all_command(
     env: Environments = None,
-    baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
-    budget: Annotated[
-        int | None,
-        typer.Option(
-            help="Control steps to simulate at most in each search, of all environments together. Default: "
-            "the simulated training time of an agent on the environment."
-        ),
-    ] = None,
+    baseline: ControllerNames = None,
+    budget: Budget = None,
     budget_scale: Annotated[
         float,
-        typer.Option(help="Share of these budgets that is spent."),
+        typer.Option(help="Share of the budgets that is spent."),
     ] = 1.0,
-    seed: Annotated[int, typer.Option(help="Seed of the searches and of their training episodes.")] = 0,
-    output: Annotated[Path, typer.Option(help="Folder for the folders of the searches.")] = Path("tuning"),
+    seed: Seed = 0,
+    output: Output = Path("tuning"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
+    resume: Resume = True,
     plugin: Plugins = None,
 ) -> None:
     """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
 
     Each search maximises the mean over the scenarios realistic and randomized within a budget of simulated
-    time, and is validated as by `tune`. A run that was interrupted goes on where it stopped when the same
-    command is given again.
+    time, by default the simulated training time of an agent on the environment, and is validated as by
+    `tune`, which also tunes a controller of your own. A run that was interrupted goes on where it stopped
+    when the same command is given again.
     """
     workers = Workers(jobs, backend)
     if not 0.0 < budget_scale <= 100.0:
@@ -55,7 +61,8 @@ def tune_all_command(
     combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     searches = [
-        plan_search(combination, budget, budget_scale, seed, output, command) for combination in combinations
+        plan_search(combination, budget, budget_scale, seed, output, command, resume)
+        for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
     console = make_console(least=TABLE_WIDTH)

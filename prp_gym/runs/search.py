@@ -10,6 +10,7 @@ from typing import Any
 import gymnasium
 
 from prp_gym.artifacts import list_versions, to_plain, write_json
+from prp_gym.errors import InvalidValueError
 from prp_gym.files.checksum import seal
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
@@ -19,8 +20,8 @@ from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import make_environment
 from prp_gym.runs.tuning_candidates import list_candidates
 from prp_gym.tuning.objective import Objective, ScenarioCandidates
-from prp_gym.tuning.stored_scores import StoredScores
-from prp_gym.tuning.stored_study import StoredStudy
+from prp_gym.tuning.stored_scores import VALIDATION, StoredScores
+from prp_gym.tuning.stored_study import JOURNAL, StoredStudy
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tune import Tuned, tune
@@ -39,7 +40,8 @@ class Search:
         choice: controller with the gains from which the search starts.
         output: folder for the folder of the search.
         command: command line that runs the search.
-        resume: whether to go on with the trials of an interrupted run, if there are any.
+        resume: whether to go on with the trials of an interrupted run, if there are any, in place of removing
+            them.
     """
 
     task: TuningTask
@@ -80,12 +82,12 @@ class Search:
         with ExitStack() as stack:
             envs = [stack.enter_context(closing(self._environment(name))) for name in self.task.scenarios]
             stack.enter_context(FolderLock(self.folder).hold())
+            if not self.resume:
+                self._remove()
             conditions = [
                 ScenarioCandidates(env, list_candidates(self.choice, controllers, env)) for env in envs
             ]
-            study = StoredStudy(
-                self.folder, conditions[0].candidates.space, self.key, self.task.seed, self.resume
-            )
+            study = self._open(conditions)
             stack.enter_context(controllers.reported(self.choice, envs[0]))
             stack.enter_context(kept_if_interrupted(lambda: self._kept(study)))
             on_start(study.trials)
@@ -101,11 +103,25 @@ class Search:
     def _environment(self, scenario: str) -> gymnasium.Env[Any, Any]:
         return make_environment(self.task.environment_id, scenario, self.task.control_frequency)
 
+    def _remove(self) -> None:
+        """Remove what another run of the search has kept."""
+        for name in (JOURNAL, VALIDATION, RESULT):
+            (self.folder / name).unlink(missing_ok=True)
+
+    def _open(self, conditions: Sequence[ScenarioCandidates]) -> StoredStudy:
+        """The trials of the search, those of an interrupted run among them."""
+        space = conditions[0].candidates.space
+        try:
+            return StoredStudy(self.folder, space, self.key, self.task.seed, resume=True)
+        except InvalidValueError as error:
+            remedy = "; --fresh removes it and starts over, and --output names another folder"
+            raise InvalidValueError(error.what, error.value, error.allowed + remedy) from error
+
     def _kept(self, study: StoredStudy) -> str:
         """What an interrupted search has kept."""
         steps = sum(trial.steps for trial in study.trials)
-        where = f"{steps} steps of the budget are kept in {self.folder}"
-        return f"{where}; the same command with --resume goes on there"
+        same = "the same command" if self.resume else "the same command without --fresh"
+        return f"{steps} steps of the budget are kept in {self.folder}; {same} goes on there"
 
     def _result(
         self, conditions: Sequence[ScenarioCandidates], tuned: Tuned, choice: Choice, episodes: int

@@ -102,7 +102,7 @@ def test_interrupted_training_says_at_which_step_it_is_kept(
     signal.signal(signal.SIGHUP, before)
     told = " ".join(capsys.readouterr().err.split())
     assert "PRP-Adaptive-v0 ppo_torque seed 0 is kept at step 128" in told
-    assert "the same command with --resume goes on" in told
+    assert "the same command without --fresh goes on" in told
     assert not list(tmp_path.rglob(".*lock"))
     assert [path.name for path in (tmp_path / TRAINED).parent.iterdir()] == ["seed_0"]
 
@@ -115,5 +115,5 @@ def test_interrupted_search_says_how_many_steps_are_kept(
         assert run_until_exit(TUNE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
     assert "interrupted: 5000 steps of the budget are kept in" in told
-    assert "the same command with --resume goes on there" in told
+    assert "the same command goes on there" in told
     assert [path.name for path in (tmp_path / TUNED).iterdir()] == ["study.log"]
