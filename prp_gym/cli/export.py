@@ -17,6 +17,7 @@ from prp_gym.agents.training.export import AgentFacts, export_agent, identity_no
 from prp_gym.cli.options import (
     ActionMode,
     Algorithm,
+    Json,
     KnownControlFrequency,
     KnownSeed,
     OneEnvironment,
@@ -25,6 +26,7 @@ from prp_gym.cli.options import (
     Scenarios,
     only,
 )
+from prp_gym.console.terminal import Terminal
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.processes.folder_lock import FolderLock
@@ -49,6 +51,7 @@ def export_command(
     trust: Annotated[
         bool, typer.Option("--trust", help="Open the files, and run whatever code is in them.")
     ] = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Convert a model of Stable-Baselines3 into an agent's files, which hold no code.
@@ -79,7 +82,9 @@ def export_command(
     policy = export_agent(model, scale, facts)
     with closing(policy.make_env()), FolderLock(output.absolute().parent).hold():  # on which it can act
         tensors, card = save_agent(policy, output)
-    typer.echo(f"agent: {tensors} and {card}")
+    terminal = Terminal(as_json=as_json)
+    terminal.document({"tensors": str(tensors), "card": str(card)})
+    terminal.show(f"agent: {tensors} and {card}")
 
 
 def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Normalizer]:

@@ -20,9 +20,10 @@ from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.cli.tune_all import tune_all_command
 from prp_gym.cli.zoo import zoo_command
+from prp_gym.console.legible import write_legibly
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import PRPError
 from prp_gym.processes.interruption import Interruption, interruptible
-from prp_gym.runs.terminal import make_console
 
 _USAGE_ERROR = 2
 
@@ -80,17 +81,18 @@ def main() -> None:
     An error of this package ends with its message and exit code 2. SIGINT, SIGTERM and SIGHUP end with a
     message that says what was kept, and with exit code 130, 143 or 129.
     """
+    write_legibly()
     with interruptible():
         try:
             app()
         except PRPError as error:
-            make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
+            Terminal().fail(f"error: {error}")
             sys.exit(_USAGE_ERROR)
         except OSError as error:  # of standard output, for instance: a full disk or a closed pipe
             print(f"error: {error}", file=sys.stderr)
             sys.exit(_USAGE_ERROR)
         except Interruption as interruption:
-            make_console(stderr=True).print(interruption.message, markup=False, highlight=False)
+            Terminal().warn(interruption.message)
             sys.exit(interruption.exit_code)
 
 

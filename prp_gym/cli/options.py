@@ -144,6 +144,13 @@ Resume = Annotated[
         help="Go on with what an interrupted run of the same command has kept, or remove it and start over.",
     ),
 ]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Write nothing but results and errors.", show_default=False)
+]
+Json = Annotated[
+    bool,
+    typer.Option("--json", help="Write the results as one JSON document.", show_default=False),
+]
 Algorithm = Annotated[
     str,
     typer.Option(

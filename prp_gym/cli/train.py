@@ -17,17 +17,19 @@ from prp_gym.cli.options import (
     Algorithm,
     Backend,
     DefaultActionMode,
+    Json,
     Manifest,
     Output,
     ParallelWorkers,
     Plugins,
+    Quiet,
     RecipeFile,
     Resume,
     Settings,
 )
 from prp_gym.cli.training_progress import show_results, train_seeds
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
 
 if TYPE_CHECKING:
@@ -74,6 +76,8 @@ def train_command(
     ] = None,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Train agents with Stable-Baselines3 and keep the best policy of each.
@@ -101,7 +105,8 @@ def train_command(
         not shipped if tensorboard is None else tensorboard,
         _recipe_options(config, overrides),
     )
-    _train([runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups], workers)
+    jobs = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]
+    _train(jobs, workers, Terminal(quiet, as_json))
 
 
 @dataclass(frozen=True)
@@ -177,15 +182,17 @@ def _recipe_options(config: Path | None, overrides: Sequence[str]) -> tuple[str,
     return (*chosen, *(part for text in overrides for part in ("--set", text)))
 
 
-def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers) -> None:
+def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers, terminal: Terminal) -> None:
     """Train the seeds of all groups, and print what came out."""
-    results = iter(train_seeds([job for jobs in groups for job in jobs], workers))
+    every = [job for jobs in groups for job in jobs]
+    results = train_seeds(every, workers, terminal)
+    runs = [{"folder": str(job.folder), **result} for job, result in zip(every, results, strict=True)]
+    terminal.document({"runs": runs})
+    remaining = iter(results)
     for jobs in groups:
-        show_results(jobs, list(islice(results, len(jobs))))
-    console = make_console(least=TABLE_WIDTH)
-    console.print("score: mean reward over held-out episodes, 1 is perfect.")
-    for folder in dict.fromkeys(job.folder.parent for jobs in groups for job in jobs):
-        console.print(f"runs: {folder}", highlight=False)
+        show_results(jobs, list(islice(remaining, len(jobs))), terminal)
+    terminal.explain("score: mean reward over held-out episodes, 1 is perfect.")
+    terminal.show(*(f"runs: {folder}" for folder in dict.fromkeys(job.folder.parent for job in every)))
 
 
 def _check_choice(context: typer.Context, env_id: str | None, shipped: bool, manifest: Path | None) -> None:

@@ -4,6 +4,7 @@ import math
 import shlex
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
@@ -17,10 +18,12 @@ from prp_gym.cli.options import (
     Budget,
     ControlFrequency,
     Episodes,
+    Json,
     OneController,
     OneEnvironment,
     Output,
     Plugins,
+    Quiet,
     Resume,
     Scenarios,
     Seed,
@@ -28,13 +31,14 @@ from prp_gym.cli.options import (
     StartGains,
     only,
 )
+from prp_gym.console.activity import Activity
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.search import RESULT, Search
 from prp_gym.runs.search_plan import EPISODES, SCENARIOS
 from prp_gym.runs.selection import check_names
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.tuning_candidates import choose_controller, with_start_gains
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.task import TuningTask
@@ -70,6 +74,8 @@ def tune_command(
     settings: Settings = None,
     output: Output = Path("tuning"),
     resume: Resume = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Tune a controller with a budget of simulated steps, and validate the result on fresh episodes.
@@ -87,7 +93,10 @@ def tune_command(
         choice = with_start_gains(choice, controllers, environment_id, control_frequency)
     task = TuningTask(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes, seed)
     search = Search(task, choice, output, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
-    _show(_run(search, controllers), search.folder / RESULT)
+    terminal = Terminal(quiet, as_json)
+    result = _run(search, controllers, terminal)
+    terminal.document(asdict(result))
+    _show(result, search.folder / RESULT, terminal)
 
 
 def _one_name(controller: str | None, baseline: Sequence[str]) -> str:
@@ -117,23 +126,27 @@ def _budget(budget: int | None, like: str | None, control_frequency: float) -> i
     return math.floor(Fraction(card.steps) * Fraction(control_frequency) / Fraction(card.control_frequency))
 
 
-def _run(search: Search, controllers: Controllers) -> TunedController:
-    """Run a search behind a progress bar."""
+def _run(search: Search, controllers: Controllers, terminal: Terminal) -> TunedController:
+    """Run a search, and tell its progress."""
     task = search.task
-    with make_progress() as progress:
-        bar = progress.add_task(f"tuning {task.controller} [steps]", total=task.budget)
+    with terminal.progress(f"tuning {task.controller}", task.budget, "steps") as progress:
 
         def started(trials: Sequence[Trial]) -> None:
             before = sum(trial.steps for trial in trials)
-            progress.advance(bar, before)
+            progress.begin(before)
             if before:
                 note = f"{len(trials)} trials with {before} steps were finished by an interrupted run."
-                make_console(stderr=True).print(note, highlight=False)
+                terminal.note(note)
 
-        return search.run(controllers, started, lambda trial: progress.advance(bar, trial.steps))
+        return search.run(
+            controllers,
+            started,
+            lambda trial: progress.advance(trial.steps),
+            lambda: progress.run([Activity("validation of the best candidates")]),
+        )
 
 
-def _show(result: TunedController, target: Path) -> None:
+def _show(result: TunedController, target: Path, terminal: Terminal) -> None:
     """Print the scores before and after."""
     scenarios = " and ".join(result.scenarios)
     title = f"{result.controller} on {result.environment}, scenario {scenarios}"
@@ -143,19 +156,17 @@ def _show(result: TunedController, target: Path) -> None:
         table.add_column(header, justify="left" if header == "settings" else "right")
     table.add_row("start", f"{result.score_of_start:.4f}", f"{checked.score_of_start:.4f}")
     table.add_row("result", f"{result.score:.4f}", f"{checked.score:.4f}")
-    console = make_console(least=TABLE_WIDTH)
-    console.print(title, highlight=False)
-    console.print(table)
-    console.print(
+    terminal.show(title, table)
+    terminal.explain(
         f"score: mean over scenarios of the mean reward, over {result.episodes} training and "
         f"{checked.episodes} validation episodes; 1 is perfect."
     )
     if checked.kept_start:
-        console.print("No candidate was better than the start on the validation episodes: it is the result.")
+        terminal.show("No candidate was better than the start on the validation episodes: it is the result.")
     for edge, reason in result.edges.items():
-        console.print(f"The best candidate lies at an edge of {edge} end: {reason}.", highlight=False)
-    console.print(
+        terminal.show(f"The best candidate lies at an edge of {edge} end: {reason}.")
+    terminal.explain(
         f"{result.trials} trials, {result.used_steps} of {result.budget_steps} steps"
         f" ({result.simulated_seconds:g} s simulated), {result.seconds:.1f} s."
     )
-    console.print(f"result: {target}", highlight=False)
+    terminal.show(f"result: {target}")

@@ -4,6 +4,7 @@ import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -15,17 +16,21 @@ from prp_gym.cli.options import (
     Budget,
     ControllerNames,
     Environments,
+    Json,
     Output,
     ParallelWorkers,
     Plugins,
+    Quiet,
     Resume,
     Seed,
 )
+from prp_gym.console.activity import Activity
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.runs.search import Search
 from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.tuned_controller import TunedController
@@ -46,6 +51,8 @@ def tune_all_command(
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     resume: Resume = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
@@ -65,29 +72,43 @@ def tune_all_command(
         for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
-    console = make_console(least=TABLE_WIDTH)
+    terminal = Terminal(quiet, as_json)
+    with kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"):
+        outcomes = _run(searches, workers, terminal)
+    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
+    failed = [str(outcome) for outcome in outcomes if isinstance(outcome, PRPError)]
+    terminal.document({"searches": [asdict(result) for result in results], "failed": failed})
+    terminal.show(_table(results))
+    terminal.explain(
+        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
+        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range."
+    )
+    terminal.show(f"results: {output}")
+    if failed:
+        raise typer.Exit(_FAILED)
+
+
+def _run(
+    searches: Sequence[Search], workers: Workers, terminal: Terminal
+) -> list[TunedController | PRPError]:
+    """What became of the searches, in the order in which they were finished."""
+    waiting = [f"{search.task.environment_id} {search.task.controller}" for search in searches]
     outcomes: list[TunedController | PRPError] = []
     with (
-        kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"),
-        make_progress() as progress,
+        terminal.progress("tuning", len(searches), "searches") as progress,
         closing(workers.run(run_or_fail, searches)) as finished,
     ):
-        bar = progress.add_task("searches", total=len(searches))
+        progress.run([Activity(name) for name in waiting[: workers.count]])
         for index, outcome in finished:
             outcomes.append(outcome)
             task = searches[index].task
-            console.print(f"{task.environment_id} {task.controller}: {_line(outcome)}", highlight=False)
-            progress.advance(bar)
-    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
-    console.print(_table(results))
-    console.print(
-        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
-        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range.",
-        highlight=False,
-    )
-    console.print(f"results: {output}", highlight=False)
-    if len(results) < len(searches):
-        raise typer.Exit(_FAILED)
+            name = f"{task.environment_id} {task.controller}"
+            tell = terminal.warn if isinstance(outcome, PRPError) else terminal.note
+            tell(f"{name}: {_line(outcome)}")
+            waiting.remove(name)
+            progress.advance(1)
+            progress.run([Activity(name) for name in waiting[: workers.count]])
+    return outcomes
 
 
 def _line(outcome: TunedController | PRPError) -> str:

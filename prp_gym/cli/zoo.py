@@ -8,7 +8,8 @@ import typer
 from prp_gym.agents.training.recipes import load_recipe
 from prp_gym.agents.training.shipped import default_action_mode
 from prp_gym.agents.training.zoo_recipe import write_zoo_recipes
-from prp_gym.cli.options import Algorithm, DefaultActionMode, Environments, Plugins, RecipeFile
+from prp_gym.cli.options import Algorithm, DefaultActionMode, Environments, Json, Plugins, RecipeFile
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
 from prp_gym.tasks.registration import list_envs
 
@@ -21,6 +22,7 @@ def zoo_command(
     algo: Algorithm = "ppo",
     action_mode: DefaultActionMode = None,
     config: RecipeFile = None,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Write the recipes of an algorithm in the form of rl-baselines3-zoo.
@@ -34,4 +36,6 @@ def zoo_command(
         for name in env or list_envs()
     ]
     write_zoo_recipes(recipes, output)
-    typer.echo(f"{len(recipes)} recipes of {algo}: {output}")
+    terminal = Terminal(as_json=as_json)
+    terminal.document({"recipes": len(recipes), "file": str(output)})
+    terminal.show(f"{len(recipes)} recipes of {algo}: {output}")

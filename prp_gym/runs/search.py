@@ -67,6 +67,7 @@ class Search:
         controllers: Controllers,
         on_start: Callable[[Sequence[Trial]], None] = lambda trials: None,
         on_trial: Callable[[Trial], None] = lambda trial: None,
+        on_validation: Callable[[], None] = lambda: None,
     ) -> TunedController:
         """Spend the budget, validate the best candidates, and write the result.
 
@@ -74,6 +75,7 @@ class Search:
             controllers: source of the controller.
             on_start: function that is called with the trials of an interrupted run.
             on_trial: function that is called after each new trial.
+            on_validation: function that is called before the best candidates are validated.
 
         Raises:
             PRPError: a controller that cannot run on the environment, a budget that is too small, a folder
@@ -93,6 +95,7 @@ class Search:
             on_start(study.trials)
             training = Objective(conditions, self.task.first_seed, self.task.episodes)
             tuned = tune(self.task, training, study, on_trial)
+            on_validation()
             choice = choose(
                 tuned, lambda *drawn: Objective(conditions, *drawn), StoredScores(self.folder, self.key)
             )

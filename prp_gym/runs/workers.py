@@ -47,6 +47,11 @@ class Workers:
         if self.backend == "ray" and find_spec("ray") is None:
             raise MissingPackageError("ray", "ray")
 
+    @property
+    def count(self) -> int:
+        """Number of parallel workers on this machine."""
+        return self.jobs or joblib.cpu_count()
+
     def run(
         self, function: Callable[[Item], Result], items: Sequence[Item]
     ) -> Generator[tuple[int, Result], None, None]:

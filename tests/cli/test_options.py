@@ -2,12 +2,13 @@
 
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import Any
+from types import UnionType
+from typing import Any, get_args, get_type_hints
 
 import pytest
 import typer
 
-from prp_gym.cli.main import app
+from prp_gym.cli.main import COMMANDS, app
 
 GROUP: Any = typer.main.get_command(app)
 SHORT = {
@@ -21,6 +22,7 @@ SHORT = {
     "--output": "-o",
     "--jobs": "-j",
     "--plugin": "-p",
+    "--quiet": "-q",
 }
 """Options with a short form."""
 
@@ -35,30 +37,40 @@ def options(command: str) -> list[Any]:
 
 
 def everywhere() -> Iterator[tuple[str, Any]]:
-    """Every name of every option, with what the option of one command is."""
+    """Every option of every command."""
     for command in GROUP.commands:
         for item in options(command):
-            for name in (*item.opts, *item.secondary_opts):
-                yield name, item
+            yield command, item
 
 
 def names(command: str) -> set[str]:
     return {name for item in options(command) for name in (*item.opts, *item.secondary_opts)}
 
 
+def kind(command: str, item: Any) -> Any:
+    """The type of an option's values, whether or not the option may be left out."""
+    annotation = get_type_hints(COMMANDS[command])[item.name]
+    parts = [part for part in get_args(annotation) if part is not type(None)]
+    return parts[0] if isinstance(annotation, UnionType) else annotation
+
+
 def test_option_has_one_help_text_one_type_and_the_same_names_in_all_commands() -> None:
     meanings = defaultdict(set)
-    for name, item in everywhere():
-        forms = (tuple(item.opts), tuple(item.secondary_opts))
-        meanings[name].add((item.help, item.type.name, item.multiple, item.is_flag, forms))
+    for command, item in everywhere():
+        names = (*item.opts, *item.secondary_opts)
+        if item.name != "help":
+            meanings[names[0]].add((item.help, kind(command, item), item.multiple, names))
     assert {name: found for name, found in meanings.items() if len(found) > 1} == {}
     assert all(help_text for found in meanings.values() for help_text, *_ in found)
+    every = [name for found in meanings.values() for *_, names in found for name in names]
+    assert len(every) == len(set(every))  # no name stands for two options
 
 
 def test_short_forms_are_those_of_the_table_wherever_the_option_is() -> None:
-    shorts = {name: item.opts for name, item in everywhere() if not name.startswith("--")}
-    assert sorted(shorts) == sorted(SHORT.values())
-    assert {name: opts[0] for name, opts in shorts.items()} == {short: long for long, short in SHORT.items()}
+    found = {
+        (item.opts[0], name) for _, item in everywhere() for name in item.opts if not name.startswith("--")
+    }
+    assert found == set(SHORT.items())
 
 
 @pytest.mark.parametrize("command", sorted(GROUP.commands))
@@ -71,5 +83,5 @@ def test_command_that_takes_up_an_interrupted_run_does_so_unless_told_to_start_o
 
 @pytest.mark.parametrize("command", COMPUTE)
 def test_command_that_computes_has_the_options_of_all_that_do(command: str) -> None:
-    assert {"--output", "--plugin"} <= names(command)
+    assert {"--output", "--plugin", "--quiet", "--json"} <= names(command)
     assert ({"--jobs", "--backend"} <= names(command)) is (command not in ("reproduce", "tune"))

@@ -32,9 +32,13 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "action_modes": ("envs", "baselines"),
     "tuning": ("baselines",),
     "reproduction": ("baselines",),
-    "runs": ("envs", "baselines", "agents", "tuning"),
+    "console": (),
+    "runs": ("envs", "baselines", "agents", "tuning", "console"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
-    "cli": ("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs", "comparison"),
+    "cli": (
+        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction"),
+        *("console", "runs", "comparison"),
+    ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
 
@@ -45,6 +49,7 @@ THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
     "cli": {"rich", "typer"},
     "comparison": {"matplotlib", "rich"},
+    "console": {"rich"},
     "evaluation": {"rich"},
     "files": {"yaml"},
     "reproduction": {"matplotlib", "rich"},
