@@ -30,6 +30,7 @@ from prp_gym.cli.options import (
 from prp_gym.cli.training_progress import show_results, train_seeds
 from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
+from prp_gym.extras import check
 from prp_gym.runs.workers import Workers
 
 if TYPE_CHECKING:
@@ -97,12 +98,15 @@ def train_command(
         groups = [(recipe, range(first_seed, first_seed + seeds))]
     for recipe, _ in groups:
         _check_environment(recipe)
+    logged = not shipped if tensorboard is None else tensorboard
+    if logged:
+        check("tensorboard")
     runs = _Runs(
         output.resolve(),
         _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes),
         checkpoint_every,
         "resume" if resume else "fresh",
-        not shipped if tensorboard is None else tensorboard,
+        logged,
         _recipe_options(config, overrides),
     )
     jobs = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 from rich.table import Table
 
@@ -17,7 +18,7 @@ def copy_table(
         convert: function that is applied to the title, the headers and the cells that are texts.
     """
 
-    def converted(item: object) -> object:
+    def converted(item: Any) -> Any:
         return convert(item) if isinstance(item, str) else item
 
     chosen = [table.columns[index] for index in columns]

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import gymnasium
 
 from prp_gym.artifacts import list_versions, to_plain, write_json
 from prp_gym.errors import InvalidValueError
+from prp_gym.extras import version_of
 from prp_gym.files.checksum import seal
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
@@ -58,7 +58,7 @@ class Search:
     @property
     def key(self) -> dict[str, Any]:
         """Everything that the trials depend on."""
-        code = {**running_code(), "optuna": version("optuna")}
+        code = {**running_code(), "optuna": version_of("optuna")}
         plain: dict[str, Any] = to_plain({**asdict(self.task), "start": asdict(self.choice), "code": code})
         return plain
 
@@ -157,7 +157,7 @@ class Search:
             validation=choice.validation,
             seed=task.seed,
             command=self.command,
-            versions={**list_versions(), "optuna": version("optuna")},
+            versions={**list_versions(), "optuna": version_of("optuna")},
             code=self.choice.facts.get("code", {}),
         )
         return read_tuned_controller(to_plain(asdict(content)), self.folder / RESULT)

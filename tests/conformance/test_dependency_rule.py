@@ -20,7 +20,7 @@ PACKAGES = {
 """Folder in the repository, and the name under which it is imported."""
 
 CORE_PACKAGES = (
-    *("errors", "checks", "registry", "artifacts", "files", "plugins", "processes"),
+    *("errors", "nearest", "extras", "checks", "registry", "artifacts", "files", "plugins", "processes"),
     *("robot", "physics", "tasks", "evaluation"),
 )
 """They import each other alone."""
@@ -134,7 +134,9 @@ def test_every_package_is_in_the_table() -> None:
 
 def test_loose_modules_are_few() -> None:
     loose = {module for module in MODULES if module.count(".") == 1 and MODULES[module].name != "__init__.py"}
-    assert {package(module) for module in loose} == {"artifacts", "checks", "errors", "plugins", "registry"}
+    assert {package(module) for module in loose} == {
+        *("artifacts", "checks", "errors", "extras", "nearest", "plugins", "registry"),
+    }
 
 
 CORE, ENVS, BASELINES, AGENTS = "prp_gym.tasks.x", "prp_gym.envs.x", "prp_gym.baselines.x", "prp_gym.agents.x"

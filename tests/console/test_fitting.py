@@ -22,10 +22,11 @@ def wide(columns: int, box: object = SIMPLE_HEAD, gap: int = 1) -> Table:
 
 
 def printed(tables: list[Table], width: int) -> list[str]:
-    console = Console(file=io.StringIO(), width=width, color_system=None)
+    stream = io.StringIO()
+    console = Console(file=stream, width=width, color_system=None)
     for table in tables:
         console.print(table)
-    return console.file.getvalue().splitlines()  # type: ignore[attr-defined]
+    return stream.getvalue().splitlines()
 
 
 @pytest.mark.parametrize("box", [SIMPLE_HEAD, HEAVY_HEAD, None])
