@@ -127,7 +127,7 @@ def _table(results: Sequence[TunedController]) -> Table:
     table = Table(title="validation of the searches", title_justify="left")
     for header in ("environment", "controller"):
         table.add_column(header, overflow="fold")
-    for header in ("start", "result", "gain", "trials", "search [s]"):
+    for header in ("start", "result", "gain", "trials", "search\ns"):
         table.add_column(header, justify="right")
     table.add_column("edges", overflow="fold")
     for item in sorted(results, key=lambda item: (item.environment, item.controller)):
