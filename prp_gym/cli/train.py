@@ -109,8 +109,8 @@ def train_command(
         logged,
         _recipe_options(config, overrides),
     )
-    jobs = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]
-    _train(jobs, workers, Terminal(quiet, as_json))
+    listed = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]
+    _train(listed, workers, Terminal(quiet, as_json))
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,10 @@ from prp_gym.runs.code import running_code
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import make_environment
 from prp_gym.runs.tuning_candidates import list_candidates
+from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.objective import Objective, ScenarioCandidates
 from prp_gym.tuning.stored_scores import VALIDATION, StoredScores
-from prp_gym.tuning.stored_study import JOURNAL, StoredStudy
+from prp_gym.tuning.stored_study import StoredStudy
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tune import Tuned, tune
