@@ -12,8 +12,16 @@ from rich.text import Text
 from prp_gym.console.activity import Activity
 from prp_gym.console.progress import duration, time_left
 
-_BAR_WIDTH = 16  # columns
+_BAR_WIDTH, _NAME_WIDTH = 10, 26  # columns, so that all fit into 80
 _MOST_BARS = 8  # of work that is under way
+
+
+class _AmountColumn(MofNCompleteColumn):
+    """What is done of the total, if that is known."""
+
+    def render(self, task: Task) -> Text:
+        """The cell of one bar."""
+        return Text("") if task.total is None else super().render(task)
 
 
 class _TimeColumn(ProgressColumn):
@@ -40,8 +48,14 @@ class Bars:
     """
 
     def __init__(self, console: Console, label: str, total: float = math.inf, done: float = 0.0) -> None:
-        name = TextColumn("{task.description}", table_column=Column(no_wrap=True, overflow="ellipsis"))
-        columns = (name, BarColumn(_BAR_WIDTH), MofNCompleteColumn(), _TimeColumn())
+        width = _NAME_WIDTH + max(0, console.width - 80)
+        named = Column(no_wrap=True, overflow="ellipsis", max_width=width)
+        columns = (
+            TextColumn("{task.description}", table_column=named),
+            BarColumn(_BAR_WIDTH),
+            _AmountColumn(table_column=Column(no_wrap=True)),
+            _TimeColumn(table_column=Column(no_wrap=True)),
+        )
         self._bars = RichProgress(*columns, console=console, transient=True)
         whole = None if math.isinf(total) else total
         self._whole = self._bars.add_task(label, total=whole, completed=int(done), before=done, timed=True)

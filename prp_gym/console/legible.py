@@ -16,14 +16,14 @@ ERRORS = "prp_gym.legible"
 _ASCII, _END_OF_NAMES = 0x80, 0x180  # first code points beyond ASCII and Latin Extended-A
 _BOX = Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)  # as rich's SIMPLE_HEAD
 
-_PAIRS = """
+_LETTERS = """
 µ u  μ u  ² ^2  ³ ^3  ⁻ ^-  ¹ ^1  ° deg  ± +/-  ½ 1/2  ₑ _e
 ≤ <=  ≥ >=  ≠ !=  ≈ ~  → ->  ← <-  × x  √ sqrt  ∞ inf  ∫ integral  Σ sum  ∂ d  ∈ in
 – -  — -  − -  … ...  ‖ ||  “ "  ” "  ‘ '  ’ '  • *  ✓ yes  ✗ no
 ─ -  ━ -  │ |  ┃ |  ╭ +  ╮ +  ╰ +  ╯ +  ┌ +  ┐ +  └ +  ┘ +  ├ +  ┤ +  ┬ +  ┴ +  ┼ +
 """
 _REPLACED = {
-    **dict(zip(_PAIRS.split()[::2], _PAIRS.split()[1::2], strict=True)),
+    **dict(zip(_LETTERS.split()[::2], _LETTERS.split()[1::2], strict=True)),
     "·": " ",
     "\u00a0": " ",
     "\u0301": "",
