@@ -60,7 +60,7 @@ def _need(table: Table, column: Column, console: Console) -> int:
     found = [Measurement.get(console, console.options, item) for item in (column.header, *column.cells)]
     widest = max(item.maximum for item in found)
     if not column.no_wrap:
-        widest = min(widest, max(_WRAPPED, max(item.minimum for item in found)))
+        widest = min(widest, max(_WRAPPED, max(item.minimum for item in found)), column.max_width or widest)
     _, right, _, left = table.padding
     return widest + left + right + (table.box is not None)
 

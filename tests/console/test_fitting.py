@@ -63,6 +63,15 @@ def test_wrapped_text_gets_narrower_before_a_table_is_split() -> None:
     assert fit(table, Console(width=60)) == [table]
 
 
+def test_column_needs_no_more_than_its_largest_width() -> None:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    for name in ("first", "second", "third"):
+        table.add_column(name, max_width=16, overflow="fold")
+    table.add_row(*["some words that wrap"] * 3)
+    assert len(fit(table, Console(width=60))) == 1
+    assert max(map(len, printed([table], 60))) <= 60
+
+
 def test_table_in_ascii_has_legible_cells_and_lines() -> None:
     table = Table(title="γ and ẋ", box=SIMPLE_HEAD)
     table.add_column("stiffness\nN·m/rad²")
