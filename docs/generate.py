@@ -10,17 +10,16 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
-import typer
 
 from docs.action_modes_page import action_modes_page, modes_of
 from docs.audit_page import audit_page
 from docs.clients_page import clients_page
+from docs.command_line_page import command_line_page
 from docs.learning_page import learning_page
 from docs.metrics_page import metrics_page
 from docs.presets_section import presets_section
 from docs.tables import NOTE, numbers, table
 from prp_gym.baselines import CONTROLLERS, list_baselines
-from prp_gym.cli.main import app
 from prp_gym.envs import EnvConfig, PRPEnv, PRPVectorEnv
 from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.tasks.fields import ObservationLayout
@@ -246,26 +245,6 @@ def _value(value: Any) -> str:
 
 def _settings(values: Mapping[str, Any]) -> str:
     return "; ".join(f"{key} {_value(value)}" for key, value in values.items() if key != "source")
-
-
-def command_line_page() -> str:
-    """Every command with its options."""
-    parts = [NOTE, "# Command line\n"]
-    group: Any = typer.main.get_command(app)
-    for name, command in sorted(group.commands.items()):
-        parts += [f"## prp-gym {name}\n", command.help or "", ""]
-        rows = [
-            (f"`{'/'.join(p.opts)}`", f"`{p.default}`" if p.default is not None else "", p.help or "")
-            for p in command.params
-            if p.opts != ["--help"]
-        ]
-        if rows:
-            parts.append(table(("option", "default", "meaning"), rows))
-    parts.append(
-        "If a name does not exist, a command ends with a message that lists the valid names and with exit"
-        " code 2.\n"
-    )
-    return "\n".join(parts)
 
 
 PAGES = {

@@ -6,7 +6,6 @@ this package can catch them. All of them can be pickled, and can be made from a 
 that raise an error of another process again.
 """
 
-import difflib
 import inspect
 import reprlib
 from collections.abc import Iterable, Sequence, Set
@@ -14,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.nearest import nearest_name
+
 _LONGEST_VALUE = 160  # characters of a value in a message
 _LONGEST_PATH = 400  # characters of a path in a message
-_LONGEST_NAME = 100  # characters; a longer text is no misspelt name
 _MOST_BITS = 512  # of an integer that is written out
 _MOST_BYTES = 512  # of an array that is written out
 _MOST_ENTRIES = 100  # of a dictionary or set that is written out
@@ -104,9 +104,8 @@ class UnknownNameError(PRPError, ValueError):
         self.kind = kind
         self.name = name
         self.valid = tuple(sorted(valid))
-        comparable = isinstance(name, str) and len(name) <= _LONGEST_NAME
-        near = difflib.get_close_matches(str(name), self.valid, n=1) if comparable else []
-        hint = f" Did you mean {near[0]!r}?" if near else ""
+        self.nearest = nearest_name(name, self.valid)
+        hint = f" Did you mean {self.nearest!r}?" if self.nearest else ""
         listing = ", ".join(self.valid) if self.valid else "none"
         super().__init__(f"{self.problem()}.{hint} Valid: {listing}.")
 
@@ -339,9 +338,13 @@ class RenderingError(PRPError, RuntimeError):
 
 
 class MissingPackageError(PRPError, RuntimeError):
-    """A package that a call requires and that is not installed."""
+    """A package that a call requires and that is not installed; `prp_gym.extras` knows its extra.
+
+    The extra is empty if the package belongs to none.
+    """
 
     def __init__(self, package: str, extra: str) -> None:
         self.package = package
         self.extra = extra
-        super().__init__(f"{package} is not installed; install it with: pip install 'prp-gym[{extra}]'")
+        wanted = f"'prp-gym[{extra}]'" if extra else package
+        super().__init__(f"{package} is not installed; install it with: pip install {wanted}")

@@ -1,9 +1,8 @@
 """`require`: packages of the optional extra `agents`, imported on first use."""
 
-from importlib import import_module
 from typing import Any
 
-from prp_gym.errors import MissingPackageError
+from prp_gym import extras
 
 _FOUNDATIONS = ("torch", "stable_baselines3")
 
@@ -22,11 +21,6 @@ def require(package: str = "stable_baselines3") -> Any:
     """
     module: Any = None
     for needed in dict.fromkeys((*_FOUNDATIONS, package)):
-        try:
-            found = import_module(needed)
-        except ModuleNotFoundError as error:
-            if error.name not in (needed, needed.partition(".")[0]):
-                raise  # the package is installed, but one of its own dependencies is not
-            raise MissingPackageError(needed, "agents") from None
+        found = extras.require(needed)
         module = found if needed == package else module
     return module

@@ -5,35 +5,49 @@ from typing import Annotated, Any
 
 import typer
 
-from prp_gym.cli.options import Backend, Environments, FirstSeed, Fresh, ParallelWorkers, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Environments,
+    Episodes,
+    Json,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    Quiet,
+    Resume,
+    Scenarios,
+    Seed,
+)
 from prp_gym.comparison.agents import find_agents
 from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, Audit, audit_rewards
 from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
 from prp_gym.comparison.audit_table import audit_table, unaware_table
 from prp_gym.comparison.values import group_conditions
+from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.runs.choice import GainsChoice
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
+
+_DEFAULT_SCENARIOS = ["realistic"]
 
 
 def audit_command(
     env: Environments = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option(help="Scenario; repeatable. Default: realistic.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each policy on each environment.")] = 20,
-    seed: FirstSeed = 0,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    episodes: Episodes = 20,
+    seed: Seed = 0,
     draws: Annotated[
         int, typer.Option(help="Random gains in all for the controllers intended for an environment.", min=1)
     ] = 30,
-    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("audit"),
+    output: Output = Path("audit"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    fresh: Fresh = False,
+    resume: Resume = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Audit the reward: whether the score ranks policies as control engineers would.
@@ -43,15 +57,19 @@ def audit_command(
     contradicts a criterion.
     """
     workers = Workers(jobs, backend)
-    selected = Selection.of(env or [], scenario or ["realistic"], [], GainsChoice())
+    selected = Selection.of(env or [], scenario, [], GainsChoice())
     check_protocol(episodes, seed)
-    listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
-    run = Run(output, workers, selected.controllers, fresh)
+    terminal = Terminal(quiet, as_json)
+    with terminal.progress("trying out the controllers"):
+        listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
+    run = Run(output, workers, selected.controllers, not resume, terminal)
     with run.hold(listed):
         records = run.records(listed, "auditing")
-        audits = audit_rewards(group_conditions(map(_single, records)), seed)
-        run.write(listed, records, {"audits": [item.to_plain() for item in audits]})
-    _show(audits)
+        with terminal.progress("correlating scores with criteria"):
+            audits = audit_rewards(group_conditions(map(_single, records)), seed)
+        content = run.write(listed, records, {"audits": [item.to_plain() for item in audits]})
+    terminal.document(content)
+    _show(audits, run)
     if not all(item.holds for item in audits):
         raise typer.Exit(1)
 
@@ -63,12 +81,10 @@ def _single(record: Record) -> dict[str, Any]:
     return {**record, "policy": f"{record['policy']} seed {record['training_seed']}"}
 
 
-def _show(audits: list[Audit]) -> None:
+def _show(audits: list[Audit], run: Run) -> None:
     """Print the tables, with notes that explain them."""
-    console = make_console(least=TABLE_WIDTH)
-    console.print(audit_table(audits))
-    console.print(unaware_table(audits, list(UNAWARE)))
-    console.print(
+    run.terminal.show(audit_table(audits), unaware_table(audits, list(UNAWARE)))
+    run.terminal.explain(
         "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
         f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}; its 95 % interval is "
         "over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
@@ -76,3 +92,4 @@ def _show(audits: list[Audit]) -> None:
         f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
         "criterion. Energies are shown for information."
     )
+    run.terminal.show(f"results: {run.results}")

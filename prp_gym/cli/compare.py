@@ -1,20 +1,23 @@
 """The command `prp-gym compare`."""
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from prp_gym.artifacts import write_file
 from prp_gym.cli.options import (
+    AgentPaths,
     Backend,
     ControllerNames,
     Environments,
-    FirstSeed,
-    Fresh,
+    Episodes,
     Gains,
+    Json,
+    Output,
     ParallelWorkers,
     Plugins,
+    Quiet,
+    Resume,
+    Scenarios,
+    Seed,
     Settings,
 )
 from prp_gym.comparison.agents import find_agents
@@ -30,12 +33,12 @@ from prp_gym.comparison.table import (
     pairwise_table,
     spread_table,
 )
+from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.table import SCORE_NOTE
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
 
 _DEFAULT_SCENARIOS = ["randomized", "realistic"]
@@ -44,23 +47,18 @@ _DEFAULT_SCENARIOS = ["randomized", "realistic"]
 def compare_command(
     env: Environments = None,
     baseline: ControllerNames = None,
-    agent: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Additional agent: its file, or a folder with one file for each training seed; repeatable."
-        ),
-    ] = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option(help="Scenario; repeatable. Default: randomized and realistic.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each policy on each environment.")] = 50,
-    seed: FirstSeed = 0,
+    agent: AgentPaths = None,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    episodes: Episodes = 50,
+    seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    output: Annotated[Path, typer.Option(help="Folder for results.json and figures.")] = Path("comparison"),
+    output: Output = Path("comparison"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    fresh: Fresh = False,
+    resume: Resume = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Compare classical controllers and learned agents on the same episodes.
@@ -70,17 +68,21 @@ def compare_command(
     """
     workers = Workers(jobs, backend)
     chosen = GainsChoice.read(gains, settings or ())
-    selected = Selection.of(env or [], scenario or _DEFAULT_SCENARIOS, baseline or [], chosen)
+    selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
     agents = find_agents(selected.environment_ids, agent or [])
-    listed = list_comparison_jobs(selected, agents, episodes, seed)
+    terminal = Terminal(quiet, as_json)
+    with terminal.progress("trying out the controllers"):
+        listed = list_comparison_jobs(selected, agents, episodes, seed)
     selected.check_used(listed)
-    run = Run(output, workers, selected.controllers, fresh)
+    run = Run(output, workers, selected.controllers, not resume, terminal)
     with run.hold(listed):
         records = run.records(listed, "comparing")
-        outcome = Outcome.of(records, seed)
-        _draw(outcome, output)
-        run.write(listed, records, outcome.to_plain())
+        with terminal.progress("computing the statistics and drawing the figures"):
+            outcome = Outcome.of(records, seed)
+            _draw(outcome, output)
+        content = run.write(listed, records, outcome.to_plain())
+    terminal.document(content)
     _show(outcome, run)
 
 
@@ -99,27 +101,26 @@ def _draw(outcome: Outcome, folder: Path) -> None:
 
 def _show(outcome: Outcome, run: Run) -> None:
     """Print the tables, with notes that explain them."""
-    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+    terminal = run.terminal
     for condition in outcome.conditions:
-        console.print(condition_scores(condition, outcome.seed))
-        console.print(condition_table(condition, outcome.seed))
+        terminal.show(condition_scores(condition, outcome.seed), condition_table(condition, outcome.seed))
     notes = [
         "score: mean over episodes, and training seeds, of the mean reward of a step, 1 is perfect; its 95 % "
         f"interval is over both. {SCORE_NOTE}"
     ]
     if outcome.spread:
-        console.print(spread_table(outcome.conditions))
+        terminal.show(spread_table(outcome.conditions))
     if outcome.pairwise_comparisons:
-        console.print(pairwise_table(outcome.pairwise_comparisons))
+        terminal.show(pairwise_table(outcome.pairwise_comparisons))
         notes.append(
             "better: the policy whose score is higher by a paired difference whose interval does not contain "
             "0; disjoint intervals: whether those of the two scores do not overlap, which is stricter. The "
             "best policies are chosen on the same episodes."
         )
     if outcome.aggregates:
-        console.print(aggregate_table(outcome.aggregates))
+        terminal.show(aggregate_table(outcome.aggregates))
     if outcome.efforts:
-        console.print(effort_table(outcome.efforts))
+        terminal.show(effort_table(outcome.efforts))
         notes.append(
             "learning effort: medians over training seeds, from the mean scores that training or tuning "
             "itself has measured, in the scenario named; violations: in the whole training."
@@ -128,6 +129,5 @@ def _show(outcome: Outcome, run: Run) -> None:
         notes.append(
             "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
         )
-    for note in notes:
-        console.print(note, highlight=False)
-    console.print(f"results: {run.results}", highlight=False)
+    terminal.explain(*notes)
+    terminal.show(f"results: {run.results}")

@@ -2,22 +2,28 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
 from rich.table import Table
 
 from prp_gym.cli.options import (
     Backend,
+    ControlFrequency,
     ControllerNames,
     Environments,
-    FirstSeed,
-    Fresh,
+    Episodes,
     Gains,
+    Json,
+    Output,
     ParallelWorkers,
     Plugins,
+    Quiet,
+    Resume,
+    Scenarios,
+    Seed,
     Settings,
 )
+from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import SCORE_NOTE, Row, best_floor, evaluation_table, ranked, score_table
@@ -27,7 +33,7 @@ from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import Record
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_matrix
+from prp_gym.runs.terminal import make_matrix
 from prp_gym.runs.workers import Workers
 
 Conditions = list[tuple[str, str, list[Row]]]
@@ -39,51 +45,57 @@ _DEFAULT_SCENARIOS = ["report", "randomized"]
 def evaluate_command(
     env: Environments = None,
     baseline: ControllerNames = None,
-    scenario: Annotated[
-        list[str] | None, typer.Option(help="Scenario; repeatable. Default: report and randomized.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of each controller on each environment.")] = 20,
-    seed: FirstSeed = 0,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    episodes: Episodes = 20,
+    seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
-    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
+    control_frequency: ControlFrequency = 500.0,
+    output: Output = Path("results"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
-    fresh: Fresh = False,
+    resume: Resume = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Evaluate controllers and print a table.
 
-    A run that was interrupted goes on where it stopped when the same command is given again.
+    Every controller is run on every environment that observes what it reads. A run that was interrupted goes
+    on where it stopped when the same command is given again.
     """
     workers = Workers(jobs, backend)
     chosen = GainsChoice.read(gains, settings or ())
-    selected = Selection.of(env or [], scenario or _DEFAULT_SCENARIOS, baseline or [], chosen)
+    selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
-    listed = list_jobs(
-        selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
-    )
+    terminal = Terminal(quiet, as_json)
+    with terminal.progress("trying out the controllers"):
+        listed = list_jobs(
+            selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
+        )
     selected.check_used(listed)
     floors = list_floors(selected.conditions, control_frequency, episodes, seed)
     jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
-    run = Run(output, workers, selected.controllers, fresh)
+    run = Run(output, workers, selected.controllers, not resume, terminal)
     with run.hold(jobs_to_run):
         records = run.records(jobs_to_run, "evaluating")
         conditions = _conditions(records)
-        run.write(jobs_to_run, records, {"ranking": _ranking(conditions)})
+        content = run.write(jobs_to_run, records, {"ranking": _ranking(conditions)})
+    terminal.document(content)
     _show(conditions, run)
 
 
 def _show(conditions: Conditions, run: Run) -> None:
     """Print the tables, with notes that explain them."""
-    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for table in (*_tables(conditions), *_scores(conditions)):
-        console.print(table)
-    console.print(f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}")
+    run.terminal.show(*_tables(conditions), *_scores(conditions))
+    run.terminal.explain(
+        f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}"
+    )
     if run.busy:
-        console.print("compute time: measured beside other work; for undisturbed times choose --jobs 1.")
-    console.print(f"results: {run.results}", highlight=False)
+        run.terminal.explain(
+            "compute time: measured beside other work; for undisturbed times choose --jobs 1."
+        )
+    run.terminal.show(f"results: {run.results}")
 
 
 def _conditions(records: list[Record]) -> Conditions:
@@ -128,7 +140,7 @@ def _scores(conditions: Conditions) -> list[Table]:
     tables: list[Table] = []
     for scenario in dict.fromkeys(scenario for _, scenario, _ in conditions):
         lines = [(own, _cells(names, rows)) for own, other, rows in conditions if other == scenario]
-        tables += make_matrix(f"score, scenario {scenario} (* best)", names, lines)
+        tables.append(make_matrix(f"score, scenario {scenario} (* best)", names, lines))
     return tables
 
 

@@ -14,34 +14,51 @@ from prp_gym.agents.policy.agent_card import TrainingRecord
 from prp_gym.agents.policy.agent_file import save_agent
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.agents.training.export import AgentFacts, export_agent, identity_normalizer
-from prp_gym.cli.options import Plugins
+from prp_gym.cli.options import (
+    ActionMode,
+    Algorithm,
+    Json,
+    KnownControlFrequency,
+    KnownSeed,
+    OneEnvironment,
+    Output,
+    Plugins,
+    Scenarios,
+    only,
+)
+from prp_gym.console.terminal import Terminal
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.presets import find_preset
 
+_DEFAULT_SCENARIOS = ["randomized"]
+
 
 def export_command(
     path: Annotated[Path, typer.Argument(help="Model of Stable-Baselines3, a zip.")],
-    env: Annotated[str, typer.Option(help="Id of the task or learning preset on which it was trained.")],
-    output: Annotated[Path, typer.Option(help="Path of the agent's files, without suffix.")],
-    algorithm: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
+    env: OneEnvironment,
+    output: Output,
+    algo: Algorithm = "ppo",
     normalizer: Annotated[
         Path | None, typer.Option(help="Pickle of the model's VecNormalize. Default: none was used.")
     ] = None,
-    scenario: Annotated[str, typer.Option(help="Scenario of training.")] = "randomized",
-    action_mode: Annotated[str, typer.Option(help="Action mode of training.")] = "torque",
-    control_frequency: Annotated[
-        float | None, typer.Option(help="Control frequency of training [Hz]. Default: that of the id.")
-    ] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of training. Default: the model's.")] = None,
+    scenario: Scenarios = _DEFAULT_SCENARIOS,
+    action_mode: ActionMode = "torque",
+    control_frequency: KnownControlFrequency = None,
+    seed: KnownSeed = None,
     trust: Annotated[
         bool, typer.Option("--trust", help="Open the files, and run whatever code is in them.")
     ] = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Convert a model of Stable-Baselines3 into an agent's files, which hold no code.
+
+    The options name what the agent was trained on: the task or its learning preset, scenario, action mode,
+    control frequency (that of the id by default) and seed (that of the model by default). --output is the
+    path of the agent's files without suffix.
 
     Stable-Baselines3 saves with pickle, and a pickle can run any code on the machine that opens it. The
     file is opened only if you state that you trust its author.
@@ -49,18 +66,25 @@ def export_command(
     if not trust:
         allowed = "only with --trust, as such files run code of their author's when they are opened"
         raise InvalidValueError("file to export", str(path), allowed)
-    set_by_id = {"control_frequency": EnvConfig.control_frequency, **find_preset(env).keywords}
-    keywords: dict[str, Any] = {**set_by_id, "scenario": scenario, "action_mode": action_mode}
+    environment_id = only("--env", env)
+    set_by_id = {"control_frequency": EnvConfig.control_frequency, **find_preset(environment_id).keywords}
+    keywords: dict[str, Any] = {
+        **set_by_id,
+        "scenario": only("--scenario", scenario),
+        "action_mode": action_mode,
+    }
     if control_frequency is not None:
         keywords["control_frequency"] = control_frequency
-    with closing(gymnasium.make(env, **keywords)) as made:
+    with closing(gymnasium.make(environment_id, **keywords)) as made:
         layout: ObservationLayout = made.get_wrapper_attr("observation_layout")
-    model, scale = _open(path, algorithm, normalizer)
-    facts = AgentFacts(env, keywords, layout, _run_of(model, seed))
+    model, scale = _open(path, algo, normalizer)
+    facts = AgentFacts(environment_id, keywords, layout, _run_of(model, seed))
     policy = export_agent(model, scale, facts)
     with closing(policy.make_env()), FolderLock(output.absolute().parent).hold():  # on which it can act
         tensors, card = save_agent(policy, output)
-    typer.echo(f"agent: {tensors} and {card}")
+    terminal = Terminal(as_json=as_json)
+    terminal.document({"tensors": str(tensors), "card": str(card)})
+    terminal.show(f"agent: {tensors} and {card}")
 
 
 def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Normalizer]:

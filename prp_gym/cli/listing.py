@@ -1,5 +1,6 @@
 """The command `prp-gym list`."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import gymnasium
@@ -11,13 +12,18 @@ from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
-from prp_gym.cli.options import Plugins
+from prp_gym.cli.options import Json, Plugins
+from prp_gym.console.terminal import Terminal
 from prp_gym.envs.action_mode import TORQUE
+from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.evaluation.metrics import METRICS
-from prp_gym.runs.terminal import make_console, make_matrix
+from prp_gym.runs.terminal import make_matrix
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
+
+Row = dict[str, str | list[str]]
+"""One declaration: texts, or lists of them, by the headers of the table."""
 
 
 def list_command(
@@ -32,26 +38,31 @@ def list_command(
     metrics: Annotated[
         bool, typer.Option("--metrics", help="Show the metrics with their units and definitions.")
     ] = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Show environments, controllers and scenarios, or what the options name."""
-    console = make_console()
+    terminal = Terminal(as_json=as_json)
     layouts = _layouts() if matrix or modes or not (algorithms or metrics) else {}
+    rows: dict[str, list[Row]] = {}
     if matrix:
-        for table in _matrix(layouts):
-            console.print(table)
-        for reason in _reasons(layouts):
-            console.print(reason)
+        rows["controllers by environment"] = _matrix(layouts)
     if modes:
-        console.print(_modes(layouts))
+        rows["action modes"] = _modes(layouts)
     if algorithms:
-        console.print(_algorithms())
+        rows["learning algorithms"] = _algorithms()
     if metrics:
-        console.print(_metrics())
-    if not (matrix or modes or algorithms or metrics):
-        for table in (_environments(layouts), _controllers()):
-            console.print(table)
-        console.print(f"scenarios: {', '.join(SCENARIOS)}")
+        rows["metrics"] = _metrics()
+    if not rows:
+        rows = {"environments": _environments(layouts), "controllers": _controllers()}
+        rows["scenarios"] = _scenarios()
+    terminal.document({title.replace(" ", "_"): found for title, found in rows.items()})
+    for title, found in rows.items():
+        terminal.show(
+            _matrix_table(title, found) if title == "controllers by environment" else _table(title, found)
+        )
+    if matrix:
+        terminal.show(*_reasons(layouts))
 
 
 def _layouts() -> dict[str, ObservationLayout]:
@@ -64,59 +75,89 @@ def _layouts() -> dict[str, ObservationLayout]:
     return layouts
 
 
-def _table(title: str, headers: tuple[str, ...]) -> Table:
+def _table(title: str, rows: Sequence[Row]) -> Table:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
-    for header in headers:
-        table.add_column(header, overflow="fold")
+    for index, header in enumerate(rows[0]):
+        table.add_column(header, overflow="fold", no_wrap=index == 0)
+    for row in rows:
+        table.add_row(*(", ".join(cell) if isinstance(cell, list) else cell for cell in row.values()))
     return table
 
 
-def _environments(layouts: dict[str, ObservationLayout]) -> Table:
-    table = _table("environments", ("id", "task", "observation fields"))
-    for entry in TASKS.values():
-        table.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
-    return table
+def _environments(layouts: dict[str, ObservationLayout]) -> list[Row]:
+    return [
+        {"id": entry.id, "task": entry.summary, "observation fields": list(layouts[entry.id].names)}
+        for entry in TASKS.values()
+    ]
 
 
-def _controllers() -> Table:
-    table = _table("controllers", ("controller", "summary", "gain sets"))
-    for name, controller in BASELINES.items():
-        table.add_row(name, controller.summary, ", ".join(gain_sets(name)))
-    return table
+def _controllers() -> list[Row]:
+    return [
+        {"controller": name, "summary": controller.summary, "gain sets": list(gain_sets(name))}
+        for name, controller in BASELINES.items()
+    ]
 
 
-def _modes(layouts: dict[str, ObservationLayout]) -> Table:
-    table = _table("action modes", ("mode", "inner controller", "an action", "environments"))
+def _scenarios() -> list[Row]:
+    return [{"scenario": name, "description": load_scenario(name).description} for name in SCENARIOS]
+
+
+def _modes(layouts: dict[str, ObservationLayout]) -> list[Row]:
     where = {name: list_action_modes(layout) for name, layout in layouts.items()}
-    table.add_row(TORQUE, "", "is the joint torques", "all")
+    rows: list[Row] = [_mode(TORQUE, "", "is the joint torques", ["all"])]
     for spec in ACTION_MODES.values():
         conditions = [name.removeprefix("PRP-") for name, modes in where.items() if spec.name in modes]
-        shown = "all" if len(conditions) == len(where) else ", ".join(conditions)
-        shown = f"where {ANY_CONTROLLER} runs" if spec.is_family else shown
-        table.add_row(spec.label, spec.entry.controller, spec.summary, shown)
-    return table
+        shown = ["all"] if len(conditions) == len(where) else conditions
+        shown = [f"where {ANY_CONTROLLER} runs"] if spec.is_family else shown
+        rows.append(_mode(spec.label, spec.entry.controller, spec.summary, shown))
+    return rows
 
 
-def _algorithms() -> Table:
-    table = _table("learning algorithms", ("algorithm", "summary", "class"))
-    for name, spec in ALGORITHMS.items():
-        table.add_row(name, spec.summary, f"{spec.entry.package}.{spec.entry.class_name}")
-    return table
+def _mode(name: str, controller: str, summary: str, environments: list[str]) -> Row:
+    return {
+        "mode": name,
+        "inner controller": controller,
+        "an action": summary,
+        "environments": environments,
+    }
 
 
-def _metrics() -> Table:
-    table = _table("metrics", ("metric", "units", "definition"))
-    for name, metric in METRICS.items():
-        table.add_row(name, ", ".join(metric.units), metric.definition)
-    return table
+def _algorithms() -> list[Row]:
+    return [
+        {
+            "algorithm": name,
+            "summary": spec.summary,
+            "class": f"{spec.entry.package}.{spec.entry.class_name}",
+        }
+        for name, spec in ALGORITHMS.items()
+    ]
 
 
-def _matrix(layouts: dict[str, ObservationLayout]) -> list[Table]:
-    rows = (
-        (name, ["-" if controller.missing_fields(layout) else "yes" for controller in BASELINES.values()])
+def _metrics() -> list[Row]:
+    return [
+        {"metric": name, "units": list(metric.units), "definition": metric.definition}
+        for name, metric in METRICS.items()
+    ]
+
+
+def _matrix(layouts: dict[str, ObservationLayout]) -> list[Row]:
+    return [
+        {
+            "environment": name,
+            "controllers": [
+                own for own, controller in BASELINES.items() if not controller.missing_fields(layout)
+            ],
+        }
         for name, layout in layouts.items()
+    ]
+
+
+def _matrix_table(title: str, rows: Sequence[Row]) -> Table:
+    cells = (
+        (str(row["environment"]), ["yes" if name in row["controllers"] else "-" for name in BASELINES])
+        for row in rows
     )
-    return make_matrix("controllers by environment", BASELINES, rows)
+    return make_matrix(title, BASELINES, cells)
 
 
 def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:

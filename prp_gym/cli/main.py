@@ -1,6 +1,8 @@
 """The command `prp-gym`."""
 
+import inspect
 import sys
+from collections.abc import Callable, Mapping
 from importlib.metadata import version
 from typing import Annotated
 
@@ -19,17 +21,34 @@ from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.cli.tune_all import tune_all_command
 from prp_gym.cli.zoo import zoo_command
+from prp_gym.console.legible import write_legibly
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import PRPError
 from prp_gym.processes.interruption import Interruption, interruptible
-from prp_gym.runs.terminal import make_console
 
 _USAGE_ERROR = 2
+
+COMMANDS: Mapping[str, Callable[..., None]] = {
+    "audit": audit_command,
+    "compare": compare_command,
+    "evaluate": evaluate_command,
+    "export": export_command,
+    "list": list_command,
+    "record": record_command,
+    "reproduce": reproduce_command,
+    "ship": ship_command,
+    "ship-gains": ship_gains_command,
+    "train": train_command,
+    "tune": tune_command,
+    "tune-all": tune_all_command,
+    "zoo": zoo_command,
+}
+"""The functions of the commands by name."""
 
 app = typer.Typer(
     name="prp-gym",
     help="Gymnasium environments and classical baselines for the PRP arm.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -49,19 +68,13 @@ def common(
     """Gymnasium environments and classical baselines for the PRP arm."""
 
 
-app.command("audit")(audit_command)
-app.command("compare")(compare_command)
-app.command("evaluate")(evaluate_command)
-app.command("export")(export_command)
-app.command("list")(list_command)
-app.command("record")(record_command)
-app.command("reproduce")(reproduce_command)
-app.command("ship")(ship_command)
-app.command("ship-gains")(ship_gains_command)
-app.command("tune")(tune_command)
-app.command("tune-all")(tune_all_command)
-app.command("train")(train_command)
-app.command("zoo")(zoo_command)
+def _paragraphs(text: str | None) -> str:
+    """A docstring without the line breaks inside its paragraphs, which a terminal sets anew."""
+    return "\n\n".join(" ".join(part.split()) for part in inspect.cleandoc(text or "").split("\n\n"))
+
+
+for _name, _command in COMMANDS.items():
+    app.command(_name, help=_paragraphs(_command.__doc__))(_command)
 
 
 def main() -> None:
@@ -70,17 +83,18 @@ def main() -> None:
     An error of this package ends with its message and exit code 2. SIGINT, SIGTERM and SIGHUP end with a
     message that says what was kept, and with exit code 130, 143 or 129.
     """
+    write_legibly()
     with interruptible():
         try:
             app()
         except PRPError as error:
-            make_console(stderr=True).print(f"error: {error}", style="red", markup=False, highlight=False)
+            Terminal().fail(f"error: {error}")
             sys.exit(_USAGE_ERROR)
         except OSError as error:  # of standard output, for instance: a full disk or a closed pipe
             print(f"error: {error}", file=sys.stderr)
             sys.exit(_USAGE_ERROR)
         except Interruption as interruption:
-            make_console(stderr=True).print(interruption.message, markup=False, highlight=False)
+            Terminal().warn(interruption.message)
             sys.exit(interruption.exit_code)
 
 

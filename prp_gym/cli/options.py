@@ -1,9 +1,17 @@
-"""Options that several commands have."""
+"""The options of all commands: an option has one name, one short form, one type and one help text.
 
-from typing import Annotated
+A command takes the type alias of an option, and its own default. Options of one command alone, which no other
+may give another meaning, are declared beside that command.
+"""
+
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
+from prp_gym.agents.algorithms import ALGORITHMS
+from prp_gym.cli import completion
+from prp_gym.errors import InvalidValueError
 from prp_gym.plugins import load_plugins
 
 
@@ -12,47 +20,171 @@ def _load(modules: list[str] | None) -> list[str] | None:
     return modules
 
 
+def _env(default: str | bool) -> Any:
+    return typer.Option(
+        "--env",
+        "-e",
+        help="Environment id; repeatable where a command takes several.",
+        show_default=default,
+        autocompletion=completion.environments,
+    )
+
+
+def _baseline(default: str | bool) -> Any:
+    return typer.Option(
+        "--baseline",
+        "-b",
+        help="Controller, or your own as path/to/file.py:Name or package.module:Name; repeatable where a "
+        "command takes several.",
+        show_default=default,
+        autocompletion=completion.controllers,
+    )
+
+
+_GAINS: Any = typer.Option(
+    "--gains",
+    "-g",
+    help="Gains of the controllers, also those from which a search starts: the name of a gain set, or a TOML "
+    "file of settings.",
+    show_default="tuned",
+    autocompletion=completion.gain_sets,
+)
+_BUDGET: Any = typer.Option(
+    "--budget", help="Control steps to simulate at most in a search, of all environments together."
+)
+_CONTROL_FREQUENCY: Any = typer.Option("--control-frequency", help="Control frequency [Hz].")
+_ACTION_MODE: Any = typer.Option(
+    "--action-mode",
+    "-m",
+    help="Action mode of the agent.",
+    show_default="that of the shipped agents, or of the recipes of --config",
+    autocompletion=completion.action_modes,
+)
+_OUTPUT: Any = typer.Option(
+    "--output", "-o", help="Path to which the command writes: a folder, or a file where it writes one."
+)
+_SEED: Any = typer.Option(
+    "--seed", help="Random seed: of the first episode, of a search, or of the training that was done."
+)
+
 Plugins = Annotated[
     list[str] | None,
     typer.Option(
         "--plugin",
+        "-p",
         help="Module that declares tasks, controllers or the like and is not installed as a plugin, also one "
         "of the current folder; repeatable.",
         callback=_load,
         is_eager=True,  # names that a plugin declares may stand in other options
     ),
 ]
-Environments = Annotated[list[str] | None, typer.Option(help="Environment id; repeatable. Default: all.")]
-ControllerNames = Annotated[
-    list[str] | None,
+Environments = Annotated[list[str] | None, _env("all")]
+OneEnvironment = Annotated[list[str], _env(False)]
+ControllerNames = Annotated[list[str] | None, _baseline("all")]
+OneController = Annotated[list[str] | None, _baseline(False)]
+Scenarios = Annotated[
+    list[str],
     typer.Option(
-        "--baseline",
-        help="Controller, or your own as path/to/file.py:Name or package.module:Name; repeatable. "
-        "Default: all.",
+        "--scenario",
+        "-s",
+        help="Scenario; repeatable where a command takes several.",
+        autocompletion=completion.scenarios,
     ),
 ]
-Gains = Annotated[
-    str, typer.Option(help="Gains of the controllers: the name of a gain set, or a TOML file of settings.")
+AgentPaths = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--agent",
+        "-a",
+        help="Additional agent: its file, or a folder with one file for each training seed; repeatable.",
+    ),
 ]
+Episodes = Annotated[
+    int,
+    typer.Option("--episodes", "-n", help="Episodes of a policy, or of a candidate of a search."),
+]
+Seed = Annotated[int, _SEED]
+KnownSeed = Annotated[int | None, _SEED]
+Gains = Annotated[str, _GAINS]
+StartGains = Annotated[str | None, _GAINS]
 Settings = Annotated[
     list[str] | None,
     typer.Option(
         "--set",
-        help="Setting of the controllers in place of that of their gains, with a value in TOML, such as "
-        "stiffness=200; repeatable.",
+        help="name=value in place of a setting of the controllers' gains, with a value in TOML as in "
+        "stiffness=200, or of a recipe, with a value in YAML as in gamma=0.98; repeatable.",
     ),
 ]
-FirstSeed = Annotated[int, typer.Option(help="Seed of the first episode.")]
+ControlFrequency = Annotated[float, _CONTROL_FREQUENCY]
+KnownControlFrequency = Annotated[float | None, _CONTROL_FREQUENCY]
+Budget = Annotated[int | None, _BUDGET]
+Output = Annotated[Path, _OUTPUT]
+OutputOfPackage = Annotated[Path | None, _OUTPUT]
 ParallelWorkers = Annotated[
     int,
     typer.Option(
+        "--jobs",
+        "-j",
         help="Parallel workers; 1: this process alone, 0: as many as there are cores. "
-        "Compute times are those of a busy machine unless 1."
+        "Compute times are those of a busy machine unless 1.",
     ),
 ]
 Backend = Annotated[
-    str, typer.Option(help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.")
+    str,
+    typer.Option(
+        "--backend",
+        help="loky: processes; ray: the cluster at RAY_ADDRESS, or a local one.",
+        autocompletion=completion.backends,
+    ),
 ]
-Fresh = Annotated[
-    bool, typer.Option("--fresh", help="Run also the jobs that an interrupted run has finished.")
+Resume = Annotated[
+    bool,
+    typer.Option(
+        "--resume/--fresh",
+        help="Go on with what an interrupted run of the same command has kept, or remove it and start over.",
+    ),
 ]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Write nothing but results and errors.", show_default=False)
+]
+Json = Annotated[
+    bool,
+    typer.Option("--json", help="Write the results as one JSON document.", show_default=False),
+]
+Algorithm = Annotated[
+    str,
+    typer.Option(
+        "--algo",
+        "--algorithm",
+        help=f"Learning algorithm: {', '.join(ALGORITHMS)}.",
+        autocompletion=completion.algorithms,
+    ),
+]
+ActionMode = Annotated[str, _ACTION_MODE]
+DefaultActionMode = Annotated[str | None, _ACTION_MODE]
+RecipeFile = Annotated[
+    Path | None,
+    typer.Option("--config", help="Recipes in YAML, in place of those that come with the suite."),
+]
+Manifest = Annotated[
+    Path | None,
+    typer.Option(
+        "--manifest", help="List of the shipped agents in YAML, in place of that which comes with the suite."
+    ),
+]
+
+
+def only(option: str, values: list[str] | None) -> str:
+    """The value of an option that a command takes once.
+
+    Args:
+        option: name of the option, for the message.
+        values: what was given.
+
+    Raises:
+        InvalidValueError: none or several.
+    """
+    given = list(dict.fromkeys(values or []))
+    if len(given) != 1:
+        raise InvalidValueError(option, given, "exactly one for this command")
+    return given[0]

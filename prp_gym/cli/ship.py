@@ -18,14 +18,26 @@ from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.artifacts import to_plain, write_file
-from prp_gym.cli.options import Backend, FirstSeed, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Episodes,
+    Json,
+    Manifest,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    Quiet,
+    RecipeFile,
+    Seed,
+)
+from prp_gym.console.activity import Activity
+from prp_gym.console.terminal import Terminal
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.processes.leftovers import remove_leftovers
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 SCENARIOS = ("randomized", "realistic")
@@ -34,22 +46,18 @@ SCENARIOS = ("randomized", "realistic")
 
 def ship_command(
     runs: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("runs"),
-    output: Annotated[Path, typer.Option(help="Folder for the agents.")] = Path("agents/trained"),
-    manifest: Annotated[
-        Path | None, typer.Option(help="List of the agents in YAML, in place of the suite's own.")
-    ] = None,
-    config: Annotated[
-        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
-    ] = None,
-    episodes: Annotated[int, typer.Option(help="Episodes of an evaluation.")] = 100,
-    seed: FirstSeed = 0,
-    jobs: Annotated[
-        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
-    ] = 0,
+    output: Output = Path("agents/trained"),
+    manifest: Manifest = None,
+    config: RecipeFile = None,
+    episodes: Episodes = 100,
+    seed: Seed = 0,
+    jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     allow_missing: Annotated[
         bool, typer.Option("--allow-missing", help="Leave out what is not trained yet.")
     ] = False,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Evaluate the agents that come with the suite, and put them where they are found by name.
@@ -73,11 +81,12 @@ def ship_command(
         )
     for candidate in ready:
         candidate.check()
+    terminal = Terminal(quiet, as_json)
     with FolderLock(output).hold():
-        changed = _ship(ready, workers)
-        _show(ready, changed)
-    _tell("not trained yet, left out", missing)
-    _tell("not in the list, left as they are", _leftovers(output, wanted))
+        changed = _ship(ready, workers, terminal)
+        _show(ready, changed, terminal)
+    _tell("not trained yet, left out", missing, terminal)
+    _tell("not in the list, left as they are", _leftovers(output, wanted), terminal)
 
 
 @dataclass(frozen=True)
@@ -114,6 +123,11 @@ class Candidate:
             episodes=episodes,
             seed=seed,
         )
+
+    @property
+    def name(self) -> str:
+        """Name of the agent: the folder of its group, and its file."""
+        return f"{self.target.parent.name}/{self.target.name}"
 
     @property
     def is_trained(self) -> bool:
@@ -165,21 +179,24 @@ def _score(policy: LearnedPolicy, scenario: str, episodes: int, seed: int) -> Sc
     return Score(value, low, high, len(evaluation.rollouts), seed)
 
 
-def _ship(candidates: Sequence[Candidate], workers: Workers) -> list[Candidate]:
+def _ship(candidates: Sequence[Candidate], workers: Workers, terminal: Terminal) -> list[Candidate]:
     """Write the agents with their scores; those whose files are new or changed."""
     changed: list[Candidate] = []
     for folder in {candidate.target.parent for candidate in candidates}:
         remove_leftovers(folder)
     with (
         kept_if_interrupted(lambda: f"{len(changed)} agents are written; the same command writes the rest"),
-        make_progress() as progress,
+        terminal.progress("evaluating", len(candidates), "agents") as progress,
         closing(workers.run(score_agent, candidates)) as scored,
     ):
-        bar = progress.add_task("evaluating agents", total=len(candidates))
+        waiting = list(candidates)
+        progress.run([Activity(item.name) for item in waiting[: workers.count]])
         for index, scores in scored:
             if _write(candidates[index], scores):
                 changed.append(candidates[index])
-            progress.advance(bar)
+            waiting.remove(candidates[index])
+            progress.advance(1)
+            progress.run([Activity(item.name) for item in waiting[: workers.count]])
     return changed
 
 
@@ -212,16 +229,16 @@ def _leftovers(output: Path, wanted: Sequence[Candidate]) -> list[str]:
     return sorted(str(path) for path in found if path not in kept)
 
 
-def _tell(what: str, names: Sequence[str]) -> None:
+def _tell(what: str, names: Sequence[str], terminal: Terminal) -> None:
     """Print on standard error what should be checked before the agents are shipped."""
     if names:
-        console = make_console(stderr=True)
         for line in (f"{what}:", *(f"  {name}" for name in names)):
-            console.print(line, highlight=False, markup=False, soft_wrap=True)
+            terminal.warn(line)
 
 
-def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None:
+def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate], terminal: Terminal) -> None:
     """Print the agents' scores, one line for each agent."""
+    rows: list[dict[str, Any]] = []
     table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
     table.add_column("agent")
     for header in (*SCENARIOS, "files"):
@@ -232,10 +249,10 @@ def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None
             f"{scores[name].value:.3f} [{scores[name].low:.3f}, {scores[name].high:.3f}]"
             for name in SCENARIOS
         ]
-        name = f"{candidate.target.parent.name}/{candidate.target.name}"
-        table.add_row(name, *cells, "written" if candidate in changed else "as before")
-    console = make_console(least=TABLE_WIDTH)
-    console.print(table)
-    console.print(
+        table.add_row(candidate.name, *cells, "written" if candidate in changed else "as before")
+        rows.append({"agent": candidate.name, "scores": scores, "written": candidate in changed})
+    terminal.document({"agents": rows})
+    terminal.show(table)
+    terminal.explain(
         "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
     )

@@ -10,13 +10,27 @@ from typing import TYPE_CHECKING, Annotated, Any
 import gymnasium
 import typer
 
-from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import default_action_mode, read_groups
-from prp_gym.cli.options import Backend, Plugins
+from prp_gym.cli import completion
+from prp_gym.cli.options import (
+    Algorithm,
+    Backend,
+    DefaultActionMode,
+    Json,
+    Manifest,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    Quiet,
+    RecipeFile,
+    Resume,
+    Settings,
+)
 from prp_gym.cli.training_progress import show_results, train_seeds
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
+from prp_gym.extras import check
 from prp_gym.runs.workers import Workers
 
 if TYPE_CHECKING:
@@ -29,7 +43,11 @@ _OF_ONE_GROUP = ("algo", "action_mode", "seeds", "first_seed")
 def train_command(
     context: typer.Context,
     env_id: Annotated[
-        str | None, typer.Argument(help="Id of a task or of its learning preset; none with --shipped.")
+        str | None,
+        typer.Argument(
+            help="Id of a task or of its learning preset; none with --shipped.",
+            autocompletion=completion.learning_ids,
+        ),
     ] = None,
     shipped: Annotated[
         bool,
@@ -37,24 +55,14 @@ def train_command(
             "--shipped", help="In place of an id: all agents that come with the suite, each with its recipe."
         ),
     ] = False,
-    manifest: Annotated[
-        Path | None, typer.Option(help="For --shipped: their list in YAML, in place of the suite's own.")
-    ] = None,
-    algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
-    action_mode: Annotated[
-        str | None,
-        typer.Option(help="Action mode. Default: that of the shipped agents, or of the recipes of --config."),
-    ] = None,
+    manifest: Manifest = None,
+    algo: Algorithm = "ppo",
+    action_mode: DefaultActionMode = None,
     seeds: Annotated[int, typer.Option(help="Number of training seeds, with one agent each.")] = 1,
     first_seed: Annotated[int, typer.Option(help="First training seed.")] = 0,
-    config: Annotated[
-        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
-    ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="key=value in place of the recipe's, as in YAML; repeatable."),
-    ] = None,
-    output: Annotated[Path, typer.Option(help="Folder for the runs.")] = Path("runs"),
+    config: RecipeFile = None,
+    settings: Settings = None,
+    output: Output = Path("runs"),
     eval_every: Annotated[
         int,
         typer.Option(help="Steps between evaluations; 0: a tenth of all steps, with --shipped a twentieth."),
@@ -63,30 +71,25 @@ def train_command(
     checkpoint_every: Annotated[
         int, typer.Option(help="Steps between checkpoints; 0: as between evaluations.")
     ] = 0,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with runs that were interrupted.")] = False,
-    fresh: Annotated[
-        bool, typer.Option("--fresh", help="Remove runs that are there, and start over.")
-    ] = False,
+    resume: Resume = True,
     tensorboard: Annotated[
-        bool | None, typer.Option(help="Write TensorBoard's files. Default: unless --shipped.")
+        bool | None, typer.Option(help="Write TensorBoard's files.", show_default="unless --shipped")
     ] = None,
-    jobs: Annotated[
-        int, typer.Option(help="Parallel workers; 1: this process alone, 0: as many as there are cores.")
-    ] = 0,
+    jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Train agents with Stable-Baselines3 and keep the best policy of each.
 
-    A seed whose run is finished is left as it is. A run that was interrupted goes on with --resume, which
-    --shipped implies: with new episodes, and all else as the last checkpoint has it.
+    A seed whose run is finished is left as it is. A run that was interrupted goes on when the same command is
+    given again: with new episodes, and all else as the last checkpoint has it.
     """
     workers = Workers(jobs, backend)
     _check_choice(context, env_id, shipped, manifest)
     _check_counts(seeds, first_seed, eval_every, eval_episodes, checkpoint_every)
-    if resume and fresh:
-        raise InvalidValueError("--resume together with --fresh", True, "one of them")
-    overrides = tuple(set_ or ())
+    overrides = tuple(settings or ())
     if env_id is None:
         groups = [(group.recipe(config, overrides), range(group.seeds)) for group in read_groups(manifest)]
     else:
@@ -95,15 +98,19 @@ def train_command(
         groups = [(recipe, range(first_seed, first_seed + seeds))]
     for recipe, _ in groups:
         _check_environment(recipe)
+    logged = not shipped if tensorboard is None else tensorboard
+    if logged:
+        check("tensorboard")
     runs = _Runs(
         output.resolve(),
         _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes),
         checkpoint_every,
-        "fresh" if fresh else "resume" if resume or shipped else "refuse",
-        not shipped if tensorboard is None else tensorboard,
+        "resume" if resume else "fresh",
+        logged,
         _recipe_options(config, overrides),
     )
-    _train([runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups], workers)
+    listed = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]
+    _train(listed, workers, Terminal(quiet, as_json))
 
 
 @dataclass(frozen=True)
@@ -179,15 +186,17 @@ def _recipe_options(config: Path | None, overrides: Sequence[str]) -> tuple[str,
     return (*chosen, *(part for text in overrides for part in ("--set", text)))
 
 
-def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers) -> None:
+def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers, terminal: Terminal) -> None:
     """Train the seeds of all groups, and print what came out."""
-    results = iter(train_seeds([job for jobs in groups for job in jobs], workers))
+    every = [job for jobs in groups for job in jobs]
+    results = train_seeds(every, workers, terminal)
+    runs = [{"folder": str(job.folder), **result} for job, result in zip(every, results, strict=True)]
+    terminal.document({"runs": runs})
+    remaining = iter(results)
     for jobs in groups:
-        show_results(jobs, list(islice(results, len(jobs))))
-    console = make_console(least=TABLE_WIDTH)
-    console.print("score: mean reward over held-out episodes, 1 is perfect.")
-    for folder in dict.fromkeys(job.folder.parent for jobs in groups for job in jobs):
-        console.print(f"runs: {folder}", highlight=False)
+        show_results(jobs, list(islice(remaining, len(jobs))), terminal)
+    terminal.explain("score: mean reward over held-out episodes, 1 is perfect.")
+    terminal.show(*(f"runs: {folder}" for folder in dict.fromkeys(job.folder.parent for job in every)))
 
 
 def _check_choice(context: typer.Context, env_id: str | None, shipped: bool, manifest: Path | None) -> None:

@@ -6,11 +6,12 @@ from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
-from rich.progress import Progress
 from rich.table import Table
 
+from prp_gym.console.activity import Activity
+from prp_gym.console.progress import Progress
+from prp_gym.console.terminal import Terminal
 from prp_gym.processes.interruption import kept_if_interrupted
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 if TYPE_CHECKING:
@@ -22,12 +23,13 @@ Result = dict[str, Any]
 """What a run's `result.json` holds."""
 
 
-def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Result]:
+def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers, terminal: Terminal) -> list[Result]:
     """Train what is not finished yet, telling the progress on standard error.
 
     Args:
         wanted: training jobs, begun in this order.
         workers: processes that train.
+        terminal: terminal to which the progress is written.
 
     Returns:
         the results, in the order of `wanted`.
@@ -41,12 +43,13 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
     missing = [index for index, job in enumerate(wanted) if not is_ready(job)]
     results = {index: train(job) for index, job in enumerate(wanted) if index not in missing}
     if results:
-        _tell(make_console(stderr=True), f"{len(results)} of {len(wanted)} seeds are finished.")
+        terminal.note(f"{len(results)} of {len(wanted)} seeds are finished.")
     jobs = [wanted[index] for index in missing]
     with (
         _reserved(jobs),
         kept_if_interrupted(lambda: _kept(wanted)),
-        _progress_of(jobs) as progress,
+        terminal.progress("training", sum(job.recipe.n_timesteps for job in jobs), "steps") as progress,
+        _watched(jobs, progress),
         closing(workers.run(train, jobs)) as trained,
     ):
         for number, result in trained:
@@ -54,10 +57,7 @@ def train_seeds(wanted: Sequence["TrainingJob"], workers: Workers) -> list[Resul
             best = result["best"]
             outcome = f"best score {best['score']:.3f} at step {best['steps']}"
             minutes = f"{result['seconds'] / 60:.1f} minutes"
-            _tell(
-                progress.console,
-                f"{len(results)} of {len(wanted)}: {_name(jobs[number])}, {outcome}, {minutes}",
-            )
+            terminal.note(f"{len(results)} of {len(wanted)}: {_name(jobs[number])}, {outcome}, {minutes}")
     return [results[index] for index in range(len(wanted))]
 
 
@@ -83,51 +83,54 @@ def _kept(jobs: Sequence["TrainingJob"]) -> str:
     kept = [f"{_name(job)} is kept at step {checkpoint_steps(job.folder)}" for job in begun]
     if finished:
         kept.insert(0, f"{len(finished)} of {len(jobs)} seeds are finished")
-    return "; ".join([*kept, "the same command with --resume goes on"]) if kept else ""
+    return "; ".join([*kept, "the same command without --fresh goes on"]) if kept else ""
 
 
 def _name(job: "TrainingJob") -> str:
     return f"{job.recipe.environment_id} {job.recipe.name} seed {job.seed}"
 
 
-def _tell(console: Any, text: str) -> None:
-    console.print(text, highlight=False, markup=False)
-
-
 @contextmanager
-def _progress_of(jobs: Sequence["TrainingJob"]) -> Iterator[Progress]:
-    """Bars of all steps and of each seed in training, as their folders tell, while the training runs."""
+def _watched(jobs: Sequence["TrainingJob"], progress: Progress) -> Iterator[None]:
+    """Tell the steps of all seeds and of each in training, as their folders have them, while these train."""
     from prp_gym.agents.training.run_folder import RunFolder
 
     over = threading.Event()
-    with make_progress() as progress:
-        totals = [job.recipe.n_timesteps for job in jobs]
-        whole = progress.add_task("all steps", total=sum(totals), visible=len(jobs) > 1)
-        bars = [progress.add_task(_name(job), total=job.recipe.n_timesteps, visible=False) for job in jobs]
-        folders = [RunFolder(job.folder) for job in jobs]
+    totals = [job.recipe.n_timesteps for job in jobs]
+    folders = [RunFolder(job.folder) for job in jobs]
 
-        def watch() -> None:
-            while not over.wait(_WATCH_EVERY):
-                done = [folder.read_steps() for folder in folders]
-                progress.update(whole, completed=sum(map(min, done, totals)))
-                for bar, folder, steps in zip(bars, folders, done, strict=True):
-                    progress.update(bar, completed=steps, visible=steps > 0 and not folder.is_finished)
+    def look() -> float:
+        done = [min(folder.read_steps(), total) for folder, total in zip(folders, totals, strict=True)]
+        progress.run(
+            [
+                Activity(_name(job), steps / total)
+                for job, folder, steps, total in zip(jobs, folders, done, totals, strict=True)
+                if steps > 0 and not folder.is_finished
+            ]
+        )
+        return sum(done)
 
-        watcher = threading.Thread(target=watch, daemon=True)
-        watcher.start()
-        try:
-            yield progress
-        finally:
-            over.set()
-            watcher.join()
+    def watch() -> None:
+        while not over.wait(_WATCH_EVERY):
+            progress.reach(look())
+
+    progress.begin(look())
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        over.set()
+        watcher.join()
 
 
-def show_results(jobs: Sequence["TrainingJob"], results: Sequence[Result]) -> None:
+def show_results(jobs: Sequence["TrainingJob"], results: Sequence[Result], terminal: Terminal) -> None:
     """Print the results of one recipe, with one line for each training seed.
 
     Args:
         jobs: training jobs of the recipe, in the order of their seeds.
         results: results of the jobs, in the same order.
+        terminal: terminal to which they are written.
     """
     recipe = jobs[0].recipe
     title = f"{recipe.environment_id}, {recipe.algorithm}, action mode {recipe.action_mode}"
@@ -138,6 +141,4 @@ def show_results(jobs: Sequence["TrainingJob"], results: Sequence[Result]) -> No
         best = result["best"]
         numbers = (f"{best['score']:.3f}", str(best["steps"]), f"{result['last_score']:.3f}")
         table.add_row(str(job.seed), *numbers, str(result["steps"]), f"{result['seconds'] / 60:.1f}")
-    console = make_console(least=TABLE_WIDTH)
-    console.print(title, highlight=False)
-    console.print(table)
+    terminal.show(title, table)

@@ -4,18 +4,33 @@ import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.table import Table
 
-from prp_gym.cli.options import Backend, Environments, ParallelWorkers, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Budget,
+    ControllerNames,
+    Environments,
+    Json,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    Quiet,
+    Resume,
+    Seed,
+)
+from prp_gym.console.activity import Activity
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.runs.search import Search
 from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
 from prp_gym.runs.workers import Workers
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.tuned_controller import TunedController
@@ -25,29 +40,27 @@ _FAILED = 1  # exit code
 
 def tune_all_command(
     env: Environments = None,
-    baseline: Annotated[list[str] | None, typer.Option(help="Controller; repeatable. Default: all.")] = None,
-    budget: Annotated[
-        int | None,
-        typer.Option(
-            help="Control steps to simulate at most in each search, of all environments together. Default: "
-            "the simulated training time of an agent on the environment."
-        ),
-    ] = None,
+    baseline: ControllerNames = None,
+    budget: Budget = None,
     budget_scale: Annotated[
         float,
-        typer.Option(help="Share of these budgets that is spent."),
+        typer.Option(help="Share of the budgets that is spent."),
     ] = 1.0,
-    seed: Annotated[int, typer.Option(help="Seed of the searches and of their training episodes.")] = 0,
-    output: Annotated[Path, typer.Option(help="Folder for the folders of the searches.")] = Path("tuning"),
+    seed: Seed = 0,
+    output: Output = Path("tuning"),
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
+    resume: Resume = True,
+    quiet: Quiet = False,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Tune every controller on every environment for which it is intended; `ship-gains` ships the results.
 
     Each search maximises the mean over the scenarios realistic and randomized within a budget of simulated
-    time, and is validated as by `tune`. A run that was interrupted goes on where it stopped when the same
-    command is given again.
+    time, by default the simulated training time of an agent on the environment, and is validated as by
+    `tune`, which also tunes a controller of your own. A run that was interrupted goes on where it stopped
+    when the same command is given again.
     """
     workers = Workers(jobs, backend)
     if not 0.0 < budget_scale <= 100.0:
@@ -55,32 +68,47 @@ def tune_all_command(
     combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
     searches = [
-        plan_search(combination, budget, budget_scale, seed, output, command) for combination in combinations
+        plan_search(combination, budget, budget_scale, seed, output, command, resume)
+        for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
-    console = make_console(least=TABLE_WIDTH)
+    terminal = Terminal(quiet, as_json)
+    with kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"):
+        outcomes = _run(searches, workers, terminal)
+    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
+    failed = [str(outcome) for outcome in outcomes if isinstance(outcome, PRPError)]
+    terminal.document({"searches": [asdict(result) for result in results], "failed": failed})
+    terminal.show(_table(results))
+    terminal.explain(
+        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
+        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range."
+    )
+    terminal.show(f"results: {output}")
+    if failed:
+        raise typer.Exit(_FAILED)
+
+
+def _run(
+    searches: Sequence[Search], workers: Workers, terminal: Terminal
+) -> list[TunedController | PRPError]:
+    """What became of the searches, in the order in which they were finished."""
+    waiting = [f"{search.task.environment_id} {search.task.controller}" for search in searches]
     outcomes: list[TunedController | PRPError] = []
     with (
-        kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"),
-        make_progress() as progress,
+        terminal.progress("tuning", len(searches), "searches") as progress,
         closing(workers.run(run_or_fail, searches)) as finished,
     ):
-        bar = progress.add_task("searches", total=len(searches))
+        progress.run([Activity(name) for name in waiting[: workers.count]])
         for index, outcome in finished:
             outcomes.append(outcome)
             task = searches[index].task
-            console.print(f"{task.environment_id} {task.controller}: {_line(outcome)}", highlight=False)
-            progress.advance(bar)
-    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
-    console.print(_table(results))
-    console.print(
-        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
-        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range.",
-        highlight=False,
-    )
-    console.print(f"results: {output}", highlight=False)
-    if len(results) < len(searches):
-        raise typer.Exit(_FAILED)
+            name = f"{task.environment_id} {task.controller}"
+            tell = terminal.warn if isinstance(outcome, PRPError) else terminal.note
+            tell(f"{name}: {_line(outcome)}")
+            waiting.remove(name)
+            progress.advance(1)
+            progress.run([Activity(name) for name in waiting[: workers.count]])
+    return outcomes
 
 
 def _line(outcome: TunedController | PRPError) -> str:
@@ -99,7 +127,7 @@ def _table(results: Sequence[TunedController]) -> Table:
     table = Table(title="validation of the searches", title_justify="left")
     for header in ("environment", "controller"):
         table.add_column(header, overflow="fold")
-    for header in ("start", "result", "gain", "trials", "search [s]"):
+    for header in ("start", "result", "gain", "trials", "search\ns"):
         table.add_column(header, justify="right")
     table.add_column("edges", overflow="fold")
     for item in sorted(results, key=lambda item: (item.environment, item.controller)):

@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import load_recipe
 from prp_gym.agents.training.shipped import default_action_mode
 from prp_gym.agents.training.zoo_recipe import write_zoo_recipes
-from prp_gym.cli.options import Environments, Plugins
+from prp_gym.cli.options import Algorithm, DefaultActionMode, Environments, Json, Plugins, RecipeFile
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
 from prp_gym.tasks.registration import list_envs
 
@@ -19,14 +19,10 @@ _SUFFIXES = (".yml", ".yaml")
 def zoo_command(
     output: Annotated[Path, typer.Argument(help="Path of the file, which ends in .yml.")],
     env: Environments = None,
-    algo: Annotated[str, typer.Option(help=f"Learning algorithm: {', '.join(ALGORITHMS)}.")] = "ppo",
-    action_mode: Annotated[
-        str | None,
-        typer.Option(help="Action mode. Default: that of the shipped agents, or of the recipes of --config."),
-    ] = None,
-    config: Annotated[
-        Path | None, typer.Option(help="Recipes in YAML, in place of those that come with the suite.")
-    ] = None,
+    algo: Algorithm = "ppo",
+    action_mode: DefaultActionMode = None,
+    config: RecipeFile = None,
+    as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Write the recipes of an algorithm in the form of rl-baselines3-zoo.
@@ -40,4 +36,6 @@ def zoo_command(
         for name in env or list_envs()
     ]
     write_zoo_recipes(recipes, output)
-    typer.echo(f"{len(recipes)} recipes of {algo}: {output}")
+    terminal = Terminal(as_json=as_json)
+    terminal.document({"recipes": len(recipes), "file": str(output)})
+    terminal.show(f"{len(recipes)} recipes of {algo}: {output}")

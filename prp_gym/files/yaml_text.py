@@ -1,9 +1,9 @@
 """`parse_yaml`: plain values from YAML, made from its events, so that nothing else can come of it."""
 
-from importlib import import_module
 from typing import Any
 
-from prp_gym.errors import DataTextError, MissingPackageError, shortened
+from prp_gym.errors import DataTextError, shortened
+from prp_gym.extras import require
 from prp_gym.files.limits import DEPTH, INTEGER_DIGITS
 
 _PLAIN = tuple(f"tag:yaml.org,2002:{name}" for name in ("null", "bool", "int", "float", "str"))
@@ -21,7 +21,7 @@ def parse_yaml(text: str) -> Any:
             `DEPTH` levels.
         MissingPackageError: PyYAML is not installed.
     """
-    yaml = _import_yaml()
+    yaml = require("yaml")
     try:
         loader = yaml.SafeLoader(text)
         try:
@@ -33,13 +33,6 @@ def parse_yaml(text: str) -> Any:
         where = "" if line is None else f" in line {line + 1}"
         what = str(getattr(fault, "problem", None) or getattr(fault, "reason", None) or "syntax error")
         raise DataTextError("YAML", f"{what}{where}") from None
-
-
-def _import_yaml() -> Any:
-    try:
-        return import_module("yaml")
-    except ModuleNotFoundError:
-        raise MissingPackageError("yaml", "agents") from None
 
 
 def _read(yaml: Any, loader: Any) -> Any:

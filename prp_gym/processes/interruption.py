@@ -16,7 +16,7 @@ _GRACE = 10.0  # s, that the command has to stop its workers and to report what 
 _OF_SIGNAL = 128  # added to a signal's number, it is the exit code of a shell's command that the signal ended
 _OVER = threading.Event()  # set outside `interruptible`
 _OVER.set()
-_NOTHING_KEPT = "nothing had to be kept; the same command starts over"
+_NOTHING_KEPT = "nothing new had to be kept; give the same command again"
 
 
 class Interruption(BaseException):

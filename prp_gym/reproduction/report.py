@@ -14,6 +14,7 @@ from prp_gym.reproduction.run import SCENARIO, RecordedRun
 
 Answers = Sequence[tuple[Answer, str]]
 
+SUMMARY = "summary.json"
 _HIDDEN_SETTINGS = ("model",)
 
 
@@ -45,7 +46,7 @@ def write_summary(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answ
     recorded = {name: item for outcome in outcomes for name, item in outcome.recorded.items()}
     runs = {name: _describe_recorded(item) for name, item in recorded.items()}
     texts = {answer.question: {"asks": answer.asks, "answer": text} for answer, text in answers}
-    write_json(folder / "summary.json", {**about, "checks": checks, "runs": runs, "answers": texts})
+    write_json(folder / SUMMARY, {**about, "checks": checks, "runs": runs, "answers": texts})
 
 
 def _describe_check(outcome: FigureOutcome, verdict: Verdict) -> dict[str, Any]:

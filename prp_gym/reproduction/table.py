@@ -21,7 +21,7 @@ def verdict_table(outcomes: Sequence[FigureOutcome]) -> Table:
     for header in ("figure", "question"):
         table.add_column(header, justify="right", no_wrap=True)
     for header, width in (("quantity", 30), ("predicted", 21), ("measured", 20), ("tolerance", 11)):
-        table.add_column(header, width=width, overflow="fold")
+        table.add_column(header, max_width=width, overflow="fold")
     table.add_column("verdict", no_wrap=True)
     for outcome in outcomes:
         for index, verdict in enumerate(outcome.verdicts):

@@ -4,12 +4,15 @@ import shlex
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from prp_gym.artifacts import prepare_folder, require_folder, write_json
+from prp_gym.console.activity import Activity
+from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.results import describe_run
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
@@ -17,7 +20,6 @@ from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.job import Record, run_job
 from prp_gym.runs.store import JobStore, JobT
-from prp_gym.runs.terminal import make_console, make_progress
 from prp_gym.runs.workers import Workers
 
 JOBS = "jobs"
@@ -35,12 +37,14 @@ class Run:
         workers: processes that run the jobs.
         controllers: source of the controllers.
         fresh: whether the jobs that an interrupted run has finished are run again.
+        terminal: terminal to which the progress is written.
     """
 
     folder: Path
     workers: Workers
     controllers: Controllers
     fresh: bool = False
+    terminal: Terminal = field(default_factory=Terminal)
 
     @property
     def store(self) -> JobStore:
@@ -76,7 +80,7 @@ class Run:
 
         Args:
             jobs: jobs to run.
-            label: label of the progress bar.
+            label: what is done, for the progress.
 
         Raises:
             OutputError: the folder cannot be made or written to.
@@ -89,7 +93,9 @@ class Run:
         remove_leftovers(self.folder / JOBS)
         return run_jobs(jobs, self, label)
 
-    def write(self, jobs: Sequence[JobT], records: Sequence[Record], findings: Mapping[str, Any]) -> None:
+    def write(
+        self, jobs: Sequence[JobT], records: Sequence[Record], findings: Mapping[str, Any]
+    ) -> dict[str, Any]:
         """Write the results file, and remove the files of the finished jobs.
 
         Args:
@@ -97,13 +103,18 @@ class Run:
             records: records of the jobs.
             findings: further entries of the results file.
 
+        Returns:
+            the content of the results file.
+
         Raises:
             OutputError: the folder was removed, or cannot be written to.
         """
         require_folder(self.folder)
         described = describe_run(shlex.join(["prp-gym", *sys.argv[1:]]))
-        write_json(self.results, {**described, "evaluations": records, **findings})
+        content = {**described, "evaluations": records, **findings}
+        write_json(self.results, content)
         self.store.remove(jobs)
+        return content
 
     def _kept(self, jobs: Sequence[JobT]) -> str:
         """What an interrupted command has kept; empty for nothing."""
@@ -119,7 +130,7 @@ def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
     Args:
         jobs: jobs to run.
         run: settings of the run and folder of the finished jobs.
-        label: label of the progress bar.
+        label: what is done, for the progress.
 
     Raises:
         InvalidValueError: a worker runs other code than this process.
@@ -130,17 +141,26 @@ def run_jobs(jobs: Sequence[JobT], run: Run, label: str) -> list[Record]:
         note = f"{len(records)} of {len(jobs)} jobs were finished by an interrupted run and are reused."
         if refused:
             note += f" Not reused, as damaged or of other settings or code: {len(refused)}."
-        make_console(stderr=True).print(note, highlight=False)
+        run.terminal.note(note)
     # the longest jobs first, so that no worker is left running one alone at the end
     missing = sorted((job for job in jobs if job not in records), key=lambda job: -job.episodes)
-    with make_progress() as progress:
-        total = sum(job.episodes for job in jobs)
-        bar = progress.add_task(label, total=total, completed=sum(job.episodes for job in records))
-        with closing(run.workers.run(partial(run_job, run.controllers), missing)) as finished:
-            for index, result in finished:
-                result.check_code()
-                require_folder(run.folder / JOBS)
-                run.store.keep(missing[index], result.record)
-                records[missing[index]] = result.record
-                progress.advance(bar, missing[index].episodes)
+    total, before = (sum(job.episodes for job in some) for some in (jobs, records))
+    with (
+        run.terminal.progress(label, total, "episodes", before) as progress,
+        closing(run.workers.run(partial(run_job, run.controllers), missing)) as finished,
+    ):
+        progress.run(_under_way(missing, records, run.workers))
+        for index, result in finished:
+            result.check_code()
+            require_folder(run.folder / JOBS)
+            run.store.keep(missing[index], result.record)
+            records[missing[index]] = result.record
+            progress.advance(missing[index].episodes)
+            progress.run(_under_way(missing, records, run.workers))
     return [records[job] for job in jobs]
+
+
+def _under_way(jobs: Sequence[JobT], finished: Mapping[JobT, Record], workers: Workers) -> list[Activity]:
+    """The jobs that are running: as many as there are workers, which begin them in their order."""
+    running = islice((job for job in jobs if job not in finished), workers.count)
+    return [Activity(job.name) for job in running]

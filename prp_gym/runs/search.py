@@ -3,13 +3,14 @@
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 
 from prp_gym.artifacts import list_versions, to_plain, write_json
+from prp_gym.errors import InvalidValueError
+from prp_gym.extras import version_of
 from prp_gym.files.checksum import seal
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
@@ -18,8 +19,9 @@ from prp_gym.runs.code import running_code
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import make_environment
 from prp_gym.runs.tuning_candidates import list_candidates
+from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.objective import Objective, ScenarioCandidates
-from prp_gym.tuning.stored_scores import StoredScores
+from prp_gym.tuning.stored_scores import VALIDATION, StoredScores
 from prp_gym.tuning.stored_study import StoredStudy
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
@@ -39,7 +41,8 @@ class Search:
         choice: controller with the gains from which the search starts.
         output: folder for the folder of the search.
         command: command line that runs the search.
-        resume: whether to go on with the trials of an interrupted run, if there are any.
+        resume: whether to go on with the trials of an interrupted run, if there are any, in place of removing
+            them.
     """
 
     task: TuningTask
@@ -56,7 +59,7 @@ class Search:
     @property
     def key(self) -> dict[str, Any]:
         """Everything that the trials depend on."""
-        code = {**running_code(), "optuna": version("optuna")}
+        code = {**running_code(), "optuna": version_of("optuna")}
         plain: dict[str, Any] = to_plain({**asdict(self.task), "start": asdict(self.choice), "code": code})
         return plain
 
@@ -65,6 +68,7 @@ class Search:
         controllers: Controllers,
         on_start: Callable[[Sequence[Trial]], None] = lambda trials: None,
         on_trial: Callable[[Trial], None] = lambda trial: None,
+        on_validation: Callable[[], None] = lambda: None,
     ) -> TunedController:
         """Spend the budget, validate the best candidates, and write the result.
 
@@ -72,6 +76,7 @@ class Search:
             controllers: source of the controller.
             on_start: function that is called with the trials of an interrupted run.
             on_trial: function that is called after each new trial.
+            on_validation: function that is called before the best candidates are validated.
 
         Raises:
             PRPError: a controller that cannot run on the environment, a budget that is too small, a folder
@@ -80,17 +85,18 @@ class Search:
         with ExitStack() as stack:
             envs = [stack.enter_context(closing(self._environment(name))) for name in self.task.scenarios]
             stack.enter_context(FolderLock(self.folder).hold())
+            if not self.resume:
+                self._remove()
             conditions = [
                 ScenarioCandidates(env, list_candidates(self.choice, controllers, env)) for env in envs
             ]
-            study = StoredStudy(
-                self.folder, conditions[0].candidates.space, self.key, self.task.seed, self.resume
-            )
+            study = self._open(conditions)
             stack.enter_context(controllers.reported(self.choice, envs[0]))
             stack.enter_context(kept_if_interrupted(lambda: self._kept(study)))
             on_start(study.trials)
             training = Objective(conditions, self.task.first_seed, self.task.episodes)
             tuned = tune(self.task, training, study, on_trial)
+            on_validation()
             choice = choose(
                 tuned, lambda *drawn: Objective(conditions, *drawn), StoredScores(self.folder, self.key)
             )
@@ -101,11 +107,25 @@ class Search:
     def _environment(self, scenario: str) -> gymnasium.Env[Any, Any]:
         return make_environment(self.task.environment_id, scenario, self.task.control_frequency)
 
+    def _remove(self) -> None:
+        """Remove what another run of the search has kept."""
+        for name in (JOURNAL, VALIDATION, RESULT):
+            (self.folder / name).unlink(missing_ok=True)
+
+    def _open(self, conditions: Sequence[ScenarioCandidates]) -> StoredStudy:
+        """The trials of the search, those of an interrupted run among them."""
+        space = conditions[0].candidates.space
+        try:
+            return StoredStudy(self.folder, space, self.key, self.task.seed, resume=True)
+        except InvalidValueError as error:
+            remedy = "; --fresh removes it and starts over, and --output names another folder"
+            raise InvalidValueError(error.what, error.value, error.allowed + remedy) from error
+
     def _kept(self, study: StoredStudy) -> str:
         """What an interrupted search has kept."""
         steps = sum(trial.steps for trial in study.trials)
-        where = f"{steps} steps of the budget are kept in {self.folder}"
-        return f"{where}; the same command with --resume goes on there"
+        same = "the same command" if self.resume else "the same command without --fresh"
+        return f"{steps} steps of the budget are kept in {self.folder}; {same} goes on there"
 
     def _result(
         self, conditions: Sequence[ScenarioCandidates], tuned: Tuned, choice: Choice, episodes: int
@@ -138,7 +158,7 @@ class Search:
             validation=choice.validation,
             seed=task.seed,
             command=self.command,
-            versions={**list_versions(), "optuna": version("optuna")},
+            versions={**list_versions(), "optuna": version_of("optuna")},
             code=self.choice.facts.get("code", {}),
         )
         return read_tuned_controller(to_plain(asdict(content)), self.folder / RESULT)

@@ -58,9 +58,15 @@ def simulated_seconds(environment_id: str) -> Fraction:
 
 
 def plan_search(
-    combination: tuple[str, str], budget: int | None, scale: float, seed: int, output: Path, command: str
+    combination: tuple[str, str],
+    budget: int | None,
+    scale: float,
+    seed: int,
+    output: Path,
+    command: str,
+    resume: bool = True,
 ) -> Search:
-    """The search for the gains of a controller on an environment, which goes on where it was interrupted.
+    """The search for the gains of a controller on an environment.
 
     Args:
         combination: environment id and name of the controller.
@@ -69,6 +75,7 @@ def plan_search(
         seed: seed of the search.
         output: folder for the folder of the search.
         command: command line that runs the search.
+        resume: whether to go on with what an interrupted run has kept, in place of starting over.
 
     Raises:
         InvalidValueError: a budget that is too small.
@@ -78,7 +85,7 @@ def plan_search(
     task = TuningTask(
         environment_id, name, SCENARIOS, FREQUENCY, math.floor(steps * Fraction(scale)), EPISODES, seed
     )
-    return Search(task, ControllerChoice(name, gains=GainsChoice(TUNED)), output, command, resume=True)
+    return Search(task, ControllerChoice(name, gains=GainsChoice(TUNED)), output, command, resume)
 
 
 def run_or_fail(search: Search) -> TunedController | PRPError:

@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any, TypeVar
 
 import joblib
@@ -15,7 +14,8 @@ from cloudpickle import register_pickle_by_value
 from joblib.externals.loky import get_reusable_executor
 from joblib.externals.loky.backend import resource_tracker
 
-from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
+from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.extras import check
 from prp_gym.plugins import load_modules, loaded_plugins
 from prp_gym.processes import parent
 from prp_gym.processes.interruption import relisten
@@ -44,8 +44,13 @@ class Workers:
             raise UnknownNameError("backend", self.backend, BACKENDS)
         if self.jobs < 0:
             raise InvalidValueError("jobs", self.jobs, "at least 1, or 0 for as many as there are cores")
-        if self.backend == "ray" and find_spec("ray") is None:
-            raise MissingPackageError("ray", "ray")
+        if self.backend == "ray":
+            check("ray")
+
+    @property
+    def count(self) -> int:
+        """Number of parallel workers on this machine."""
+        return self.jobs or joblib.cpu_count()
 
     def run(
         self, function: Callable[[Item], Result], items: Sequence[Item]

@@ -143,6 +143,7 @@ def test_file_that_is_no_normaliser_is_refused(
         (("--algorithm", "pppo"), "unknown algorithm 'pppo'. Did you mean 'ppo'?"),
         (("--env", "PRP-JointTraking-v0"), "unknown environment 'PRP-JointTraking-v0'. Did you mean"),
         (("--env", "PRP-Force-v0"), "observation of the model has shape (33,)"),
+        (("--scenario", "report", "--scenario", "realistic"), "allowed: exactly one for this command"),
         (("--control-frequency", "7"), "control_frequency is 7.0 Hz"),
         (("--action-mode", "torqe"), "unknown action_mode 'torqe'"),
     ],
@@ -155,7 +156,8 @@ def test_wrong_option_is_refused(
     message: str,
 ) -> None:
     _, model, _ = files
-    given = ("export", str(model), *OPTIONS, "--output", str(model.parent / "agent"), "--trust", *options)
+    common = OPTIONS[2:] if "--env" in options else OPTIONS  # which begin with the environment
+    given = ("export", str(model), *common, "--output", str(model.parent / "agent"), "--trust", *options)
     assert message in refusal(capsys, monkeypatch, *given)
     assert not (model.parent / "agent.json").exists()
 

@@ -1,11 +1,14 @@
 """Commands that are interrupted, or find another command in their folder."""
 
+import itertools
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import pytest
@@ -59,12 +62,14 @@ def test_second_command_in_a_folder_is_refused_and_changes_nothing(
         assert sorted(tmp_path.rglob("*")) == before
 
 
-def then_signal(function: Callable[..., Any], number: signal.Signals) -> Callable[..., Any]:
-    """A function whose first call succeeds, after which this process gets a signal."""
+def then_signal(function: Callable[..., Any], number: signal.Signals, calls: int = 1) -> Callable[..., Any]:
+    """A function of which some calls succeed, after the last of which this process gets a signal."""
+    count = itertools.count(1)
 
     def call(*arguments: Any, **keywords: Any) -> Any:
         result = function(*arguments, **keywords)
-        os.kill(os.getpid(), number)
+        if next(count) == calls:
+            os.kill(os.getpid(), number)
         return result
 
     return call
@@ -102,7 +107,7 @@ def test_interrupted_training_says_at_which_step_it_is_kept(
     signal.signal(signal.SIGHUP, before)
     told = " ".join(capsys.readouterr().err.split())
     assert "PRP-Adaptive-v0 ppo_torque seed 0 is kept at step 128" in told
-    assert "the same command with --resume goes on" in told
+    assert "the same command without --fresh goes on" in told
     assert not list(tmp_path.rglob(".*lock"))
     assert [path.name for path in (tmp_path / TRAINED).parent.iterdir()] == ["seed_0"]
 
@@ -115,5 +120,44 @@ def test_interrupted_search_says_how_many_steps_are_kept(
         assert run_until_exit(TUNE, tmp_path, monkeypatch) == 143
     told = " ".join(capsys.readouterr().err.split())
     assert "interrupted: 5000 steps of the budget are kept in" in told
-    assert "the same command with --resume goes on there" in told
+    assert "the same command goes on there" in told
     assert [path.name for path in (tmp_path / TUNED).iterdir()] == ["study.log"]
+
+
+AUDIT = ("audit", "--env", ENVIRONMENT, "--episodes", "1", "--draws", "1", "--jobs", "1")
+TUNE_ALL = ("tune-all", "-e", ENVIRONMENT, "-b", CONTROLLER, "--budget", "60000", "--jobs", "1")
+
+
+@pytest.mark.parametrize(
+    ("command", "function", "kept"),
+    [
+        (COMPARE, "prp_gym.runs.store.JobStore.keep", r"1 of \d+ jobs are kept in"),
+        (AUDIT, "prp_gym.runs.store.JobStore.keep", r"1 of \d+ jobs are kept in"),
+        (
+            TUNE_ALL,
+            "prp_gym.tuning.stored_study.StoredStudy.record",
+            r"\d+ steps of the budget are kept in .*; the searches are kept in .*; the same command goes on",
+        ),
+        (
+            (*REPRODUCE, "--figure", "11"),
+            "prp_gym.cli.reproduce.judge",
+            "1 of 2 figures are kept in .*; the same command starts over",
+        ),
+        (REPRODUCE, "prp_gym.cli.reproduce.record_run", "nothing new had to be kept"),
+    ],
+    ids=["compare", "audit", "tune-all", "reproduce", "reproduce-before-a-figure"],
+)
+def test_interrupted_command_says_what_is_kept(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: tuple[str, ...],
+    function: str,
+    kept: str,
+) -> None:
+    calls = 2 if "figures" in kept else 1
+    with monkeypatch.context() as patch:
+        patch.setattr(function, then_signal(resolve_name(function), signal.SIGTERM, calls))
+        assert run_until_exit(command, tmp_path, monkeypatch) == 143
+    told = " ".join(capsys.readouterr().err.split())
+    assert re.search(f"interrupted: .*{kept}", told)

@@ -137,7 +137,6 @@ def test_command_on_the_card_trains_the_same_agent_again(runs: Path, tmp_path: P
         (["--shipped", "--seeds", "1"], "--seeds is 1"),
         (["--shipped", "--first-seed", "0"], "--first-seed is 0"),
         (["--shipped", "--manifest", "nothing.yml"], "nothing.yml"),
-        (["--shipped", "--resume", "--fresh"], "--resume together with --fresh"),
     ],
 )
 def test_options_that_do_not_go_together_are_refused_before_a_folder_is_made(

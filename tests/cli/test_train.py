@@ -17,7 +17,6 @@ from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.agents.training.train import train
 from prp_gym.cli.main import app
-from prp_gym.errors import RunFolderError
 from prp_gym.tasks.presets import learning_id
 from tests.cli.test_main import plain, refusal
 from tests.support.training_runs import ID, TINY, assert_same_weights, tiny_job
@@ -93,10 +92,7 @@ def test_training_that_was_killed_goes_on_to_the_same_number_of_steps(tmp_path: 
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL
     assert not (folder / "result.json").exists()
-    refused = RUNNER.invoke(app, options("--output", str(tmp_path), *long, algorithm=algorithm))
-    assert isinstance(refused.exception, RunFolderError)
-    assert "--resume" in str(refused.exception)
-    run_here(tmp_path, *long, "--resume", algorithm=algorithm)
+    run_here(tmp_path, *long, algorithm=algorithm)
     result = result_of(folder)
     assert result["resumes"] == 1
     # PPO learns from 4 * 32 steps at once, SAC from 4
@@ -116,7 +112,6 @@ def test_training_that_was_killed_goes_on_to_the_same_number_of_steps(tmp_path: 
         (["--eval-every", "-1"], "eval_every is -1"),
         (["--eval-episodes", "0"], "eval_episodes is 0"),
         (["--checkpoint-every", "-1"], "checkpoint_every is -1"),
-        (["--resume", "--fresh"], "--resume together with --fresh"),
         (["--algo", "ppoo"], "Did you mean 'ppo'"),
         (["--action-mode", "torqe"], "Did you mean 'torque'"),
         (["--set", "n_step=3"], "Did you mean 'n_steps'"),

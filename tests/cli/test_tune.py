@@ -81,15 +81,24 @@ def test_result_says_what_was_spent_and_what_was_found(tmp_path: Path) -> None:
     assert "5 trials, 100 of 109 steps" in result.stdout
 
 
-def test_finished_search_is_not_overwritten_but_can_be_resumed(tmp_path: Path) -> None:
+@pytest.mark.parametrize("option", [(), ("--resume",)], ids=["default", "resume"])
+def test_same_command_takes_over_the_trials_of_the_search(tmp_path: Path, option: tuple[str, ...]) -> None:
     assert run(tmp_path, "--budget", "100").exit_code == 0
     before = content(tmp_path)
-    refused = run(tmp_path, "--budget", "100")
-    assert isinstance(refused.exception, InvalidValueError)
-    resumed = run(tmp_path, "--budget", "100", "--resume")
+    resumed = run(tmp_path, "--budget", "100", *option)
     assert resumed.exit_code == 0
     assert "5 trials with 100 steps were finished by an interrupted run." in resumed.stderr
     assert content(tmp_path) == before
+
+
+def test_fresh_search_takes_over_nothing_whatever_there_was(tmp_path: Path) -> None:
+    assert run(tmp_path, "--budget", "120").exit_code == 0
+    refused = run(tmp_path, "--budget", "100")
+    assert "--fresh removes it and starts over" in str(refused.exception)
+    fresh = run(tmp_path, "--budget", "100", "--fresh")
+    assert fresh.exit_code == 0
+    assert "were finished by an interrupted run" not in fresh.stderr
+    assert (content(tmp_path)["budget_steps"], content(tmp_path)["trials"]) == (100, 5)
 
 
 @pytest.mark.parametrize("other", [("--budget", "120"), ("--budget", "100", "--scenario", "realistic")])

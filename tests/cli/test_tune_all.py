@@ -80,7 +80,7 @@ def test_search_that_fails_does_not_stop_the_others(tmp_path: Path) -> None:
     (folder / "study.log").write_text("damaged\n", encoding="utf-8")
     result = run(tmp_path)
     assert result.exit_code == 1
-    assert "joint_pd: failed: file" in result.stdout
+    assert "joint_pd: failed: file" in result.stderr
     assert set(results(tmp_path)) == {f"{ENVIRONMENT}_adaptive"}
 
 

@@ -20,7 +20,7 @@ PACKAGES = {
 """Folder in the repository, and the name under which it is imported."""
 
 CORE_PACKAGES = (
-    *("errors", "checks", "registry", "artifacts", "files", "plugins", "processes"),
+    *("errors", "nearest", "extras", "checks", "registry", "artifacts", "files", "plugins", "processes"),
     *("robot", "drawing", "physics", "tasks", "evaluation"),
 )
 """They import each other alone."""
@@ -32,12 +32,13 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "action_modes": ("envs", "baselines"),
     "tuning": ("baselines",),
     "reproduction": ("baselines",),
-    "runs": ("envs", "baselines", "agents", "tuning"),
+    "console": (),
+    "runs": ("envs", "baselines", "agents", "tuning", "console"),
     "recording": ("envs", "baselines", "agents", "runs"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
     "cli": (
-        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs"),
-        *("recording", "comparison"),
+        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction"),
+        *("console", "runs", "recording", "comparison"),
     ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
@@ -49,6 +50,7 @@ THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
     "cli": {"rich", "typer"},
     "comparison": {"matplotlib", "rich"},
+    "console": {"rich"},
     "evaluation": {"rich"},
     "files": {"yaml"},
     "recording": {"PIL", "imageio_ffmpeg"},
@@ -134,7 +136,9 @@ def test_every_package_is_in_the_table() -> None:
 
 def test_loose_modules_are_few() -> None:
     loose = {module for module in MODULES if module.count(".") == 1 and MODULES[module].name != "__init__.py"}
-    assert {package(module) for module in loose} == {"artifacts", "checks", "errors", "plugins", "registry"}
+    assert {package(module) for module in loose} == {
+        *("artifacts", "checks", "errors", "extras", "nearest", "plugins", "registry"),
+    }
 
 
 CORE, ENVS, BASELINES, AGENTS = "prp_gym.tasks.x", "prp_gym.envs.x", "prp_gym.baselines.x", "prp_gym.agents.x"

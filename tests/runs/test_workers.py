@@ -11,8 +11,8 @@ from typing import NoReturn
 
 import pytest
 
+from prp_gym import extras
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError, UnreachableError
-from prp_gym.runs import workers as parallel
 from prp_gym.runs.workers import Workers
 
 HOW = [Workers(1), Workers(2)]
@@ -110,7 +110,7 @@ def test_negative_number_of_jobs_is_refused() -> None:
 
 
 def test_ray_that_is_not_installed_is_told_with_its_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(parallel, "find_spec", lambda _: None)
+    monkeypatch.setattr(extras, "find_spec", lambda _: None)
     assert Workers(2, "loky").backend == "loky"
     with pytest.raises(MissingPackageError, match=r"ray is not installed; .*pip install 'prp-gym\[ray\]'"):
         Workers(2, "ray")

@@ -18,7 +18,7 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import DummyVecEnv, VecEnv, VecMonitor, VecNormalize
 
 import prp_gym
-from prp_gym.agents.sb3 import packages
+from prp_gym import extras
 from prp_gym.agents.sb3.vec_env import SB3VecEnv
 from prp_gym.errors import InvalidValueError, MissingPackageError, UnknownNameError
 from tests.support.sb3_environments import assert_same
@@ -141,7 +141,7 @@ def test_what_an_installed_package_lacks_is_not_taken_for_it(monkeypatch: pytest
     def broken(_: str) -> None:
         raise ModuleNotFoundError("No module named 'pandas'", name="pandas")
 
-    monkeypatch.setattr(packages, "import_module", broken)
+    monkeypatch.setattr(extras, "import_module", broken)
     with pytest.raises(ModuleNotFoundError, match="pandas"):
         many()
 

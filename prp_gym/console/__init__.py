@@ -1,0 +1,1 @@
+"""What commands write in a terminal, a pipe or a log: results, progress and notes."""

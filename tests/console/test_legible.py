@@ -1,0 +1,39 @@
+"""Texts on terminals that show ASCII alone."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from prp_gym.console.legible import legible
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("compute time µs", "compute time us"),
+        ("m/s², N·m", "m/s^2, N m"),
+        ("ẋ, q̈ and ḋ", "x_dot, q_ddot and d_dot"),
+        ("correlation γ, Σ, Δ", "correlation gamma, sum, Delta"),
+        ("± 1 ≤ 2 → 3 × 4 … ∞", "+/- 1 <= 2 -> 3 x 4 ... inf"),
+        ("Müller", "Muller"),
+        ("plain", "plain"),
+    ],
+)
+def test_characters_beyond_ascii_have_legible_replacements(text: str, expected: str) -> None:
+    assert legible(text) == expected
+
+
+def test_every_character_of_the_texts_that_commands_print_has_one() -> None:
+    listed = subprocess.run(
+        ["git", "ls-files", "*.py", "*.toml", "*.yml"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    names = [name for name in listed.stdout.split() if not name.startswith(("tests/", "bench/", "docs/"))]
+    text = "".join((ROOT / name).read_text(encoding="utf-8") for name in names if (ROOT / name).is_file())
+    letters = {letter for letter in text if not letter.isascii()}
+    assert len(letters) > 20
+    assert {letter for letter in letters if not re.fullmatch(r"[ -~]*", legible(letter))} == set()
+    assert {letter for letter in letters if "?" in legible(letter)} == set()
