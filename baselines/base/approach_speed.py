@@ -73,7 +73,7 @@ class SpeedForForce(ApproachSpeed):
     Attributes:
         greatest_stiffness: greatest stiffness K_max of a surface, above 0; infinite if unknown [N/m].
         delay: T, the time in which the approach goes on after the force has reached the threshold [s].
-        deceleration: a, with which the tip can brake, above 0 [m/s^2].
+        deceleration: a, with which the tip can brake, at least 0 [m/s^2].
         least: least speed v_min [m/s].
         largest: largest speed v_max [m/s].
         factor: η [1].

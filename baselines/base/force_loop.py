@@ -46,7 +46,7 @@ class ForceLoopSettings(ForceSensingSettings):
             the stiffest surface that the task declares.
         approach_speed: largest speed v_max of the estimated form's position target [m/s].
         least_approach_speed: least speed v_min of an approach that follows from the force [m/s].
-        approach_deceleration: a, with which the actuators can brake the tip, above 0 [m/s^2].
+        approach_deceleration: a, with which the actuators can brake the tip, at least 0 [m/s^2].
         approach_factor: η, factor on the speed that follows from the force [1].
         contact_threshold: force from which the estimated form assumes contact [N].
         initial_stiffness: stiffness estimate before the first contact, above 0 [N/m]; the greatest stiffness

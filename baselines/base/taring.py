@@ -14,6 +14,7 @@ Memory = tuple[Array, ...]
 
 _TARE, _COUNT, _SUM, _NEW = slice(0, 3), slice(3, 4), slice(4, 7), slice(7, 8)
 _EXCESS, _TOUCH, _POINT, _DIRECTION = slice(8, 9), slice(9, 10), slice(10, 13), slice(13, 16)
+_COUNTED = slice(0, 4)  # the tare with its count
 _LATER, _EARLIER, _AGE = slice(16, 20), slice(20, 24), slice(24, 25)  # former tares with their counts
 _SIZE = 25
 
@@ -132,13 +133,12 @@ class TaringUntilContact(Taring):
 
     def _go_back(self, after: Array, seen: NDArray[np.bool_]) -> None:
         """Restore the former b̂ at the touch, and keep the present one from time to time; in place."""
-        tare = slice(_TARE.start, _COUNT.stop)
         former = seen & (after[..., _EARLIER][..., 3:] > 0.0)
-        after[..., tare] = np.where(former, after[..., _EARLIER], after[..., tare])
+        after[..., _COUNTED] = np.where(former, after[..., _EARLIER], after[..., _COUNTED])
         after[..., _AGE] += 1.0
         due = after[..., _AGE] >= self.held_back
         after[..., _EARLIER] = np.where(due, after[..., _LATER], after[..., _EARLIER])
-        after[..., _LATER] = np.where(due, after[..., tare], after[..., _LATER])
+        after[..., _LATER] = np.where(due, after[..., _COUNTED], after[..., _LATER])
         after[..., _AGE] = np.where(due, 0.0, after[..., _AGE])
 
 
