@@ -21,7 +21,7 @@ PACKAGES = {
 
 CORE_PACKAGES = (
     *("errors", "checks", "registry", "artifacts", "files", "plugins", "processes"),
-    *("robot", "physics", "tasks", "evaluation"),
+    *("robot", "physics", "tasks", "evaluation", "tables", "figures", "palette"),
 )
 """They import each other alone."""
 
@@ -45,7 +45,8 @@ THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
     "cli": {"rich", "typer"},
     "comparison": {"matplotlib", "rich"},
-    "evaluation": {"rich"},
+    "figures": {"matplotlib"},
+    "tables": {"pandas", "rich"},
     "files": {"yaml"},
     "reproduction": {"matplotlib", "rich"},
     "runs": {"cloudpickle", "joblib", "ray", "rich"},
@@ -129,7 +130,9 @@ def test_every_package_is_in_the_table() -> None:
 
 def test_loose_modules_are_few() -> None:
     loose = {module for module in MODULES if module.count(".") == 1 and MODULES[module].name != "__init__.py"}
-    assert {package(module) for module in loose} == {"artifacts", "checks", "errors", "plugins", "registry"}
+    assert {package(module) for module in loose} == {
+        *("artifacts", "checks", "errors", "palette", "plugins", "registry"),
+    }
 
 
 CORE, ENVS, BASELINES, AGENTS = "prp_gym.tasks.x", "prp_gym.envs.x", "prp_gym.baselines.x", "prp_gym.agents.x"
@@ -213,7 +216,8 @@ def test_checker_sees_a_violation(module: str, source: str, culprit: str) -> Non
             "prp_gym.cli.main",
             "import typer\nfrom prp_gym.baselines import policy",
         ),
-        ("prp_gym.evaluation.table", "from rich.table import Table"),
+        ("prp_gym.tables.terminal", "from rich.table import Table"),
+        ("prp_gym.figures.episode_figure", "def draw():\n    from matplotlib.lines import Line2D"),
         ("prp_gym.action_modes.x", "import prp_gym.envs.action_mode\nimport prp_gym.baselines.registry"),
         ("prp_gym.reproduction.run", "from prp_gym.baselines import make_baseline\nimport gymnasium"),
         ("prp_gym.reproduction.figures", "def draw():\n    from matplotlib.figure import Figure"),
