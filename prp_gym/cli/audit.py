@@ -1,23 +1,35 @@
 """The command `prp-gym audit`."""
 
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Annotated, Any
 
 import typer
 
-from prp_gym.cli.options import Backend, Environments, FirstSeed, Fresh, ParallelWorkers, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Environments,
+    FirstSeed,
+    Fresh,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    RunName,
+    TableFormat,
+)
+from prp_gym.cli.shown import show_tables
 from prp_gym.comparison.agents import find_agents
-from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, Audit, audit_rewards
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, audit_rewards
 from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
 from prp_gym.comparison.audit_table import audit_table, unaware_table
 from prp_gym.comparison.values import group_conditions
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.runs.choice import GainsChoice
-from prp_gym.runs.job import Record
+from prp_gym.runs.job import Record, describe_jobs
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
+from prp_gym.tables.formats import TERMINAL
 
 
 def audit_command(
@@ -30,7 +42,9 @@ def audit_command(
     draws: Annotated[
         int, typer.Option(help="Random gains in all for the controllers intended for an environment.", min=1)
     ] = 30,
-    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("audit"),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     fresh: Fresh = False,
@@ -46,12 +60,13 @@ def audit_command(
     selected = Selection.of(env or [], scenario or ["realistic"], [], GainsChoice())
     check_protocol(episodes, seed)
     listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
-    run = Run(output, workers, selected.controllers, fresh)
-    with run.hold(listed):
+    folder = ResultFolder.choose("audit", output, name, describe_jobs(listed), not fresh)
+    run = Run(folder.path, workers, selected.controllers, fresh)
+    with run.hold(listed), folder.in_use():
         records = run.records(listed, "auditing")
         audits = audit_rewards(group_conditions(map(_single, records)), seed)
         run.write(listed, records, {"audits": [item.to_plain() for item in audits]})
-    _show(audits)
+    show_tables([audit_table(audits), unaware_table(audits, list(UNAWARE))], _notes(run), form)
     if not all(item.holds for item in audits):
         raise typer.Exit(1)
 
@@ -63,12 +78,9 @@ def _single(record: Record) -> dict[str, Any]:
     return {**record, "policy": f"{record['policy']} seed {record['training_seed']}"}
 
 
-def _show(audits: list[Audit]) -> None:
-    """Print the tables, with notes that explain them."""
-    console = make_console(least=TABLE_WIDTH)
-    console.print(audit_table(audits))
-    console.print(unaware_table(audits, list(UNAWARE)))
-    console.print(
+def _notes(run: Run) -> Iterator[str]:
+    """What explains the tables, and where the results are."""
+    yield (
         "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
         f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}; its 95 % interval is "
         "over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
@@ -76,3 +88,4 @@ def _show(audits: list[Audit]) -> None:
         f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
         "criterion. Energies are shown for information."
     )
+    yield f"results: {run.results}"

@@ -1,5 +1,6 @@
 """The command `prp-gym compare`."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
 
@@ -13,10 +14,14 @@ from prp_gym.cli.options import (
     FirstSeed,
     Fresh,
     Gains,
+    Output,
     ParallelWorkers,
     Plugins,
+    RunName,
     Settings,
+    TableFormat,
 )
+from prp_gym.cli.shown import show_tables
 from prp_gym.comparison.agents import find_agents
 from prp_gym.comparison.learning_plots import draw_learning
 from prp_gym.comparison.listing import list_comparison_jobs
@@ -33,10 +38,13 @@ from prp_gym.comparison.table import (
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.table import SCORE_NOTE
 from prp_gym.runs.choice import TUNED, GainsChoice
+from prp_gym.runs.job import describe_jobs
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import ResultTable
+from prp_gym.tables.formats import TERMINAL
 
 _DEFAULT_SCENARIOS = ["randomized", "realistic"]
 
@@ -57,7 +65,9 @@ def compare_command(
     seed: FirstSeed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    output: Annotated[Path, typer.Option(help="Folder for results.json and figures.")] = Path("comparison"),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     fresh: Fresh = False,
@@ -75,13 +85,14 @@ def compare_command(
     agents = find_agents(selected.environment_ids, agent or [])
     listed = list_comparison_jobs(selected, agents, episodes, seed)
     selected.check_used(listed)
-    run = Run(output, workers, selected.controllers, fresh)
-    with run.hold(listed):
+    folder = ResultFolder.choose("compare", output, name, describe_jobs(listed), not fresh)
+    run = Run(folder.path, workers, selected.controllers, fresh)
+    with run.hold(listed), folder.in_use():
         records = run.records(listed, "comparing")
         outcome = Outcome.of(records, seed)
-        _draw(outcome, output)
+        _draw(outcome, folder.path)
         run.write(listed, records, outcome.to_plain())
-    _show(outcome, run)
+    show_tables(list(_tables(outcome)), _notes(outcome, run), form)
 
 
 def _draw(outcome: Outcome, folder: Path) -> None:
@@ -97,37 +108,38 @@ def _draw(outcome: Outcome, folder: Path) -> None:
         write_file(folder / f"{name}.png", figure)
 
 
-def _show(outcome: Outcome, run: Run) -> None:
-    """Print the tables, with notes that explain them."""
-    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
+def _tables(outcome: Outcome) -> Iterator[ResultTable]:
+    """The tables of a comparison, as far as it has what they show."""
     for condition in outcome.conditions:
-        console.print(condition_scores(condition, outcome.seed))
-        console.print(condition_table(condition, outcome.seed))
-    notes = [
+        yield condition_scores(condition, outcome.seed)
+        yield condition_table(condition, outcome.seed)
+    if outcome.spread:
+        yield spread_table(outcome.conditions)
+    if outcome.pairwise_comparisons:
+        yield pairwise_table(outcome.pairwise_comparisons)
+    if outcome.aggregates:
+        yield aggregate_table(outcome.aggregates)
+    if outcome.efforts:
+        yield effort_table(outcome.efforts)
+
+
+def _notes(outcome: Outcome, run: Run) -> Iterator[str]:
+    """What explains the tables, and where the results are."""
+    yield (
         "score: mean over episodes, and training seeds, of the mean reward of a step, 1 is perfect; its 95 % "
         f"interval is over both. {SCORE_NOTE}"
-    ]
-    if outcome.spread:
-        console.print(spread_table(outcome.conditions))
+    )
     if outcome.pairwise_comparisons:
-        console.print(pairwise_table(outcome.pairwise_comparisons))
-        notes.append(
+        yield (
             "better: the policy whose score is higher by a paired difference whose interval does not contain "
             "0; disjoint intervals: whether those of the two scores do not overlap, which is stricter. The "
             "best policies are chosen on the same episodes."
         )
-    if outcome.aggregates:
-        console.print(aggregate_table(outcome.aggregates))
     if outcome.efforts:
-        console.print(effort_table(outcome.efforts))
-        notes.append(
+        yield (
             "learning effort: medians over training seeds, from the mean scores that training or tuning "
             "itself has measured, in the scenario named; violations: in the whole training."
         )
     if run.busy:
-        notes.append(
-            "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
-        )
-    for note in notes:
-        console.print(note, highlight=False)
-    console.print(f"results: {run.results}", highlight=False)
+        yield "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
+    yield f"results: {run.results}"

@@ -1,11 +1,9 @@
 """The command `prp-gym evaluate`."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 
 from prp_gym.cli.options import (
     Backend,
@@ -14,21 +12,28 @@ from prp_gym.cli.options import (
     FirstSeed,
     Fresh,
     Gains,
+    Output,
     ParallelWorkers,
     Plugins,
+    RunName,
     Settings,
+    TableFormat,
 )
+from prp_gym.cli.shown import show_tables
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import SCORE_NOTE, Row, best_floor, evaluation_table, ranked, score_table
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
 from prp_gym.runs.floor_job import FloorJob, list_floors
-from prp_gym.runs.job import Record
+from prp_gym.runs.job import Record, describe_jobs
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_matrix
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import ABSENT, Cell, ResultTable
+from prp_gym.tables.formats import TERMINAL
+from prp_gym.tables.matrix import matrix_table
 
 Conditions = list[tuple[str, str, list[Row]]]
 """Environment, scenario and rows of each condition."""
@@ -47,7 +52,9 @@ def evaluate_command(
     gains: Gains = TUNED,
     settings: Settings = None,
     control_frequency: Annotated[float, typer.Option(help="Control frequency [Hz].")] = 500.0,
-    output: Annotated[Path, typer.Option(help="Folder for results.json.")] = Path("results"),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     fresh: Fresh = False,
@@ -67,23 +74,21 @@ def evaluate_command(
     selected.check_used(listed)
     floors = list_floors(selected.conditions, control_frequency, episodes, seed)
     jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
-    run = Run(output, workers, selected.controllers, fresh)
-    with run.hold(jobs_to_run):
+    folder = ResultFolder.choose("evaluate", output, name, describe_jobs(jobs_to_run), not fresh)
+    run = Run(folder.path, workers, selected.controllers, fresh)
+    with run.hold(jobs_to_run), folder.in_use():
         records = run.records(jobs_to_run, "evaluating")
         conditions = _conditions(records)
         run.write(jobs_to_run, records, {"ranking": _ranking(conditions)})
-    _show(conditions, run)
+    show_tables([*_tables(conditions), *_scores(conditions)], _notes(run), form)
 
 
-def _show(conditions: Conditions, run: Run) -> None:
-    """Print the tables, with notes that explain them."""
-    console = make_console(least=TABLE_WIDTH)  # where a terminal is narrower, lines wrap and no cell is cut
-    for table in (*_tables(conditions), *_scores(conditions)):
-        console.print(table)
-    console.print(f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}")
+def _notes(run: Run) -> Iterator[str]:
+    """What explains the tables, and where the results are."""
+    yield f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}"
     if run.busy:
-        console.print("compute time: measured beside other work; for undisturbed times choose --jobs 1.")
-    console.print(f"results: {run.results}", highlight=False)
+        yield "compute time: measured beside other work; for undisturbed times choose --jobs 1."
+    yield f"results: {run.results}"
 
 
 def _conditions(records: list[Record]) -> Conditions:
@@ -94,7 +99,7 @@ def _conditions(records: list[Record]) -> Conditions:
     return [(*key, own) for key, own in rows.items()]
 
 
-def _tables(conditions: Conditions) -> Iterator[Table]:
+def _tables(conditions: Conditions) -> Iterator[ResultTable]:
     """Two tables for each condition: scores and failures, and the medians of the metrics."""
     for environment_id, scenario, rows in conditions:
         title = f"{environment_id}, scenario {scenario}"
@@ -118,22 +123,25 @@ def _ranking(conditions: Conditions) -> list[dict[str, Any]]:
     ]
 
 
-def _scores(conditions: Conditions) -> list[Table]:
+def _scores(conditions: Conditions) -> list[ResultTable]:
     """The scores alone, a table for each scenario; none where there is one environment only."""
     ids = list(dict.fromkeys(environment_id for environment_id, _, _ in conditions))
     if len(ids) == 1:
         return []
     every = [row for _, _, rows in conditions for row in rows]
     names = list(dict.fromkeys(row.name for row in sorted(every, key=lambda row: row.floor)))
-    tables: list[Table] = []
+    tables = []
     for scenario in dict.fromkeys(scenario for _, scenario, _ in conditions):
         lines = [(own, _cells(names, rows)) for own, other, rows in conditions if other == scenario]
-        tables += make_matrix(f"score, scenario {scenario} (* best)", names, lines)
+        tables.append(matrix_table(f"score, scenario {scenario} (* best)", names, lines))
     return tables
 
 
-def _cells(names: list[str], rows: list[Row]) -> list[str]:
+def _cells(names: list[str], rows: list[Row]) -> list[Cell]:
     """The score of each name, with an asterisk at the best controller."""
     values = {row.name: row.score.value for row in rows}
     best = ranked(rows)[0].name
-    return [f"{values[name]:.3f}{'*' if name == best else ' '}" if name in values else "-" for name in names]
+    return [
+        Cell(f"{values[name]:.3f}{'*' if name == best else ' '}", values[name]) if name in values else ABSENT
+        for name in names
+    ]

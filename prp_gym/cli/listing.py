@@ -4,17 +4,19 @@ from typing import Annotated
 
 import gymnasium
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
-from prp_gym.cli.options import Plugins
+from prp_gym.cli.options import Plugins, TableFormat
+from prp_gym.cli.shown import show_tables
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.evaluation.metrics import METRICS
-from prp_gym.runs.terminal import make_console, make_matrix
+from prp_gym.tables import Cell, ResultTable
+from prp_gym.tables.column import prose_column, text_column
+from prp_gym.tables.formats import TERMINAL
+from prp_gym.tables.matrix import matrix_table
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
@@ -32,26 +34,25 @@ def list_command(
     metrics: Annotated[
         bool, typer.Option("--metrics", help="Show the metrics with their units and definitions.")
     ] = False,
+    form: TableFormat = TERMINAL,
     plugin: Plugins = None,
 ) -> None:
     """Show environments, controllers and scenarios, or what the options name."""
-    console = make_console()
     layouts = _layouts() if matrix or modes or not (algorithms or metrics) else {}
+    tables, notes = [], []
     if matrix:
-        for table in _matrix(layouts):
-            console.print(table)
-        for reason in _reasons(layouts):
-            console.print(reason)
+        tables.append(_matrix(layouts))
+        notes += _reasons(layouts)
     if modes:
-        console.print(_modes(layouts))
+        tables.append(_modes(layouts))
     if algorithms:
-        console.print(_algorithms())
+        tables.append(_algorithms())
     if metrics:
-        console.print(_metrics())
+        tables.append(_metrics())
     if not (matrix or modes or algorithms or metrics):
-        for table in (_environments(layouts), _controllers()):
-            console.print(table)
-        console.print(f"scenarios: {', '.join(SCENARIOS)}")
+        tables += [_environments(layouts), _controllers()]
+        notes.append(f"scenarios: {', '.join(SCENARIOS)}")
+    show_tables(tables, notes, form)
 
 
 def _layouts() -> dict[str, ObservationLayout]:
@@ -64,59 +65,58 @@ def _layouts() -> dict[str, ObservationLayout]:
     return layouts
 
 
-def _table(title: str, headers: tuple[str, ...]) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
-    for header in headers:
-        table.add_column(header, overflow="fold")
-    return table
+def _environments(layouts: dict[str, ObservationLayout]) -> ResultTable:
+    columns = (text_column("id"), prose_column("task"), prose_column("observation fields"))
+    rows = [(entry.id, entry.summary, ", ".join(layouts[entry.id].names)) for entry in TASKS.values()]
+    return ResultTable.of("environments", columns, rows)
 
 
-def _environments(layouts: dict[str, ObservationLayout]) -> Table:
-    table = _table("environments", ("id", "task", "observation fields"))
-    for entry in TASKS.values():
-        table.add_row(entry.id, entry.summary, ", ".join(layouts[entry.id].names))
-    return table
+def _controllers() -> ResultTable:
+    columns = (text_column("controller"), prose_column("summary"), prose_column("gain sets"))
+    rows = [(name, spec.summary, ", ".join(gain_sets(name))) for name, spec in BASELINES.items()]
+    return ResultTable.of("controllers", columns, rows)
 
 
-def _controllers() -> Table:
-    table = _table("controllers", ("controller", "summary", "gain sets"))
-    for name, controller in BASELINES.items():
-        table.add_row(name, controller.summary, ", ".join(gain_sets(name)))
-    return table
-
-
-def _modes(layouts: dict[str, ObservationLayout]) -> Table:
-    table = _table("action modes", ("mode", "inner controller", "an action", "environments"))
+def _modes(layouts: dict[str, ObservationLayout]) -> ResultTable:
+    columns = (
+        *(text_column("mode"), prose_column("inner controller")),
+        *(prose_column("an action"), prose_column("environments")),
+    )
+    rows = [(TORQUE, "", "is the joint torques", "all")]
     where = {name: list_action_modes(layout) for name, layout in layouts.items()}
-    table.add_row(TORQUE, "", "is the joint torques", "all")
     for spec in ACTION_MODES.values():
         conditions = [name.removeprefix("PRP-") for name, modes in where.items() if spec.name in modes]
         shown = "all" if len(conditions) == len(where) else ", ".join(conditions)
         shown = f"where {ANY_CONTROLLER} runs" if spec.is_family else shown
-        table.add_row(spec.label, spec.entry.controller, spec.summary, shown)
-    return table
+        rows.append((spec.label, spec.entry.controller, spec.summary, shown))
+    return ResultTable.of("action modes", columns, rows)
 
 
-def _algorithms() -> Table:
-    table = _table("learning algorithms", ("algorithm", "summary", "class"))
-    for name, spec in ALGORITHMS.items():
-        table.add_row(name, spec.summary, f"{spec.entry.package}.{spec.entry.class_name}")
-    return table
+def _algorithms() -> ResultTable:
+    columns = (text_column("algorithm"), prose_column("summary"), text_column("class"))
+    rows = [
+        (name, spec.summary, f"{spec.entry.package}.{spec.entry.class_name}")
+        for name, spec in ALGORITHMS.items()
+    ]
+    return ResultTable.of("learning algorithms", columns, rows)
 
 
-def _metrics() -> Table:
-    table = _table("metrics", ("metric", "units", "definition"))
-    for name, metric in METRICS.items():
-        table.add_row(name, ", ".join(metric.units), metric.definition)
-    return table
+def _metrics() -> ResultTable:
+    columns = (text_column("metric"), text_column("units"), prose_column("definition"))
+    rows = [(name, ", ".join(metric.units), metric.definition) for name, metric in METRICS.items()]
+    return ResultTable.of("metrics", columns, rows)
 
 
-def _matrix(layouts: dict[str, ObservationLayout]) -> list[Table]:
+def _matrix(layouts: dict[str, ObservationLayout]) -> ResultTable:
     rows = (
-        (name, ["-" if controller.missing_fields(layout) else "yes" for controller in BASELINES.values()])
+        (name, [_runs(not controller.missing_fields(layout)) for controller in BASELINES.values()])
         for name, layout in layouts.items()
     )
-    return make_matrix("controllers by environment", BASELINES, rows)
+    return matrix_table("controllers by environment", BASELINES, rows)
+
+
+def _runs(can: bool) -> Cell:
+    return Cell("yes" if can else "-", can)
 
 
 def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:

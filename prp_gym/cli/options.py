@@ -1,15 +1,22 @@
 """Options that several commands have."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from prp_gym.checks import choice
 from prp_gym.plugins import load_plugins
+from prp_gym.tables.formats import FORMATS, TERMINAL
 
 
 def _load(modules: list[str] | None) -> list[str] | None:
     load_plugins(modules or [])
     return modules
+
+
+def _check_format(value: str) -> str:
+    return choice("--format", value, FORMATS)
 
 
 Plugins = Annotated[
@@ -55,4 +62,21 @@ Backend = Annotated[
 ]
 Fresh = Annotated[
     bool, typer.Option("--fresh", help="Run also the jobs that an interrupted run has finished.")
+]
+
+Output = Annotated[
+    Path | None,
+    typer.Option(help="Folder of the results, used as it is. Default: results/<command>/<date and time>."),
+]
+RunName = Annotated[
+    str, typer.Option("--name", help="Name that is added to the default folder's date and time.")
+]
+TableFormat = Annotated[
+    str,
+    typer.Option(
+        "--format",
+        help=f"Form of the tables: {', '.join(FORMATS)}. With any but {TERMINAL}, only the tables go to "
+        "standard output.",
+        callback=_check_format,
+    ),
 ]

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.cli.options import Plugins
+from prp_gym.cli.options import Output, Plugins, RunName, TableFormat
+from prp_gym.cli.shown import show_tables
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
@@ -15,16 +16,18 @@ from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
 from prp_gym.reproduction.report import write_figure, write_index, write_summary
 from prp_gym.reproduction.run import RecordedRun, check_names, record_run
 from prp_gym.reproduction.table import answers_table, verdict_table
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.result_folder import ResultFolder
+from prp_gym.runs.terminal import make_progress
+from prp_gym.tables.formats import TERMINAL
 
 _FAILED = 1
 
 
 def reproduce_command(
     figure: Annotated[list[int] | None, typer.Option(help="Figure; repeatable. Default: all.")] = None,
-    output: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = Path(
-        "results/reproduction"
-    ),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     plugin: Plugins = None,
 ) -> None:
     """Run the report's experiments again: figures, and closed forms beside what is measured.
@@ -34,18 +37,17 @@ def reproduce_command(
     catalogue = load_catalogue()
     chosen = catalogue.choose(figure or [])
     for experiment in chosen:
-        for name in experiment.runs:
-            check_names(catalogue.runs[name])
-    with FolderLock(output).hold():
-        outcomes = _reproduce(chosen, catalogue, output)
+        for run in experiment.runs:
+            check_names(catalogue.runs[run])
+    folder = ResultFolder.choose("reproduce", output, name, sorted(figure or []), goes_on=False)
+    with FolderLock(folder.path).hold(), folder.in_use():
+        outcomes = _reproduce(chosen, catalogue, folder.path)
         answers = fill(catalogue.answers, outcomes)
         command = shlex.join(["prp-gym", *sys.argv[1:]])
-        write_summary(output, outcomes, answers, command)
-        write_index(output, outcomes, answers, command)
-    console = make_console(least=TABLE_WIDTH)
-    console.print(verdict_table(outcomes))
-    console.print(answers_table(answers))
-    console.print(f"figures, tables and explanations: {output / 'index.md'}", highlight=False)
+        write_summary(folder.path, outcomes, answers, command)
+        write_index(folder.path, outcomes, answers, command)
+    notes = [f"figures, tables and explanations: {folder.path / 'index.md'}"]
+    show_tables([verdict_table(outcomes), answers_table(answers)], notes, form)
     if any(verdict.word == "FAIL" for outcome in outcomes for verdict in outcome.verdicts):
         raise typer.Exit(_FAILED)
 

@@ -8,8 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from prp_gym.agents.policy.agent_card import Score
 from prp_gym.agents.policy.agent_file import CARD, TENSORS, load_agent, save_agent
@@ -18,22 +16,31 @@ from prp_gym.agents.training.recipes import Recipe
 from prp_gym.agents.training.run_folder import RunFolder
 from prp_gym.agents.training.shipped import read_groups
 from prp_gym.artifacts import to_plain, write_file
-from prp_gym.cli.options import Backend, FirstSeed, Plugins
+from prp_gym.cli.options import Backend, FirstSeed, Plugins, TableFormat
+from prp_gym.cli.shown import show_tables
 from prp_gym.envs.config import EnvConfig
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.evaluate import check_protocol, evaluate
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.processes.leftovers import remove_leftovers
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.result_folder import latest_folder
+from prp_gym.runs.terminal import make_console, make_progress
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import text_column
+from prp_gym.tables.formats import TERMINAL
+
+_NOTE = "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
 
 SCENARIOS = ("randomized", "realistic")
 """Scenarios in which shipped agents are scored, besides that of their training."""
 
 
 def ship_command(
-    runs: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("runs"),
+    runs: Annotated[
+        Path | None, typer.Option(help="Folder of the runs. Default: that of the latest `prp-gym train`.")
+    ] = None,
     output: Annotated[Path, typer.Option(help="Folder for the agents.")] = Path("agents/trained"),
     manifest: Annotated[
         Path | None, typer.Option(help="List of the agents in YAML, in place of the suite's own.")
@@ -50,6 +57,7 @@ def ship_command(
     allow_missing: Annotated[
         bool, typer.Option("--allow-missing", help="Leave out what is not trained yet.")
     ] = False,
+    form: TableFormat = TERMINAL,
     plugin: Plugins = None,
 ) -> None:
     """Evaluate the agents that come with the suite, and put them where they are found by name.
@@ -60,8 +68,9 @@ def ship_command(
     workers = Workers(jobs, backend)
     check_protocol(episodes, seed)
     recipes = [(group.recipe(config), group.seeds) for group in read_groups(manifest)]
+    trained = latest_folder("train") if runs is None else runs
     wanted = [
-        Candidate.of(recipe, number, runs, output, episodes, seed)
+        Candidate.of(recipe, number, trained, output, episodes, seed)
         for recipe, count in recipes
         for number in range(count)
     ]
@@ -75,7 +84,7 @@ def ship_command(
         candidate.check()
     with FolderLock(output).hold():
         changed = _ship(ready, workers)
-        _show(ready, changed)
+        show_tables([_table(ready, changed)], [_NOTE], form)
     _tell("not trained yet, left out", missing)
     _tell("not in the list, left as they are", _leftovers(output, wanted))
 
@@ -220,22 +229,22 @@ def _tell(what: str, names: Sequence[str]) -> None:
             console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
-def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> None:
-    """Print the agents' scores, one line for each agent."""
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column("agent")
-    for header in (*SCENARIOS, "files"):
-        table.add_column(header, justify="right")
+def _table(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> ResultTable:
+    """The agents' scores, one line for each agent."""
+    columns = (
+        text_column("agent"),
+        *(TableColumn(f"score, {name}", parts=("mean", "low", "high")) for name in SCENARIOS),
+        text_column("files"),
+    )
+    rows = []
     for candidate in candidates:
         scores = load_agent(candidate.target).card.scores
-        cells = [
-            f"{scores[name].value:.3f} [{scores[name].low:.3f}, {scores[name].high:.3f}]"
-            for name in SCENARIOS
-        ]
         name = f"{candidate.target.parent.name}/{candidate.target.name}"
-        table.add_row(name, *cells, "written" if candidate in changed else "as before")
-    console = make_console(least=TABLE_WIDTH)
-    console.print(table)
-    console.print(
-        "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
-    )
+        written = "written" if candidate in changed else "as before"
+        rows.append((name, *(_score_cell(scores[scenario]) for scenario in SCENARIOS), written))
+    return ResultTable.of("agents", columns, rows)
+
+
+def _score_cell(score: Score) -> Cell:
+    text = f"{score.value:.3f} [{score.low:.3f}, {score.high:.3f}]"
+    return Cell(text, (score.value, score.low, score.high))

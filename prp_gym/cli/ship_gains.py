@@ -10,6 +10,7 @@ from prp_gym.cli.options import Plugins
 from prp_gym.errors import InvalidValueError
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.runs.evaluation_job import make_environment
+from prp_gym.runs.result_folder import latest_folder
 from prp_gym.runs.search import RESULT
 from prp_gym.runs.shipped_gains import searches_folder, ship_result
 from prp_gym.runs.terminal import make_console
@@ -17,7 +18,10 @@ from prp_gym.tuning.tuned_controller import load_tuned_controller
 
 
 def ship_gains_command(
-    searches: Annotated[Path, typer.Option(help="Folder of the searches.")] = Path("tuning"),
+    searches: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the searches. Default: that of the latest `prp-gym tune-all`."),
+    ] = None,
     output: Annotated[
         Path | None, typer.Option(help="Folder for their records. Default: that of the package.")
     ] = None,
@@ -28,9 +32,10 @@ def ship_gains_command(
     The gains are written into the data files of the controllers, each with the search that found it and its
     validation. Where a search found nothing better than its start, the gains stay as they are.
     """
-    results = sorted(searches.glob(f"*/{RESULT}"))
+    given = latest_folder("tune-all") if searches is None else searches
+    results = sorted(given.glob(f"*/{RESULT}"))
     if not results:
-        raise InvalidValueError("--searches", str(searches), f"a folder of searches, each with a {RESULT}")
+        raise InvalidValueError("--searches", str(given), f"a folder of searches, each with a {RESULT}")
     for path in results:
         load_tuned_controller(path)  # so that a damaged one is refused before anything is written
     folder = searches_folder() if output is None else output

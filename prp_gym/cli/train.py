@@ -1,7 +1,7 @@
 """The command `prp-gym train`."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -13,14 +13,20 @@ import typer
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import default_action_mode, read_groups
-from prp_gym.cli.options import Backend, Plugins
-from prp_gym.cli.training_progress import show_results, train_seeds
+from prp_gym.artifacts import to_plain
+from prp_gym.cli.options import Backend, Output, Plugins, RunName, TableFormat
+from prp_gym.cli.shown import show_tables
+from prp_gym.cli.training_progress import Result, results_table, train_seeds
 from prp_gym.errors import InvalidValueError
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.workers import Workers
+from prp_gym.tables.formats import TERMINAL
 
 if TYPE_CHECKING:
     from prp_gym.agents.training.train import TrainingJob
+
+Trained = tuple[Sequence["TrainingJob"], Sequence[Result]]
+"""Training jobs of one recipe with their results."""
 
 _EVALUATIONS, _EVALUATIONS_SHIPPED = 10, 20
 _OF_ONE_GROUP = ("algo", "action_mode", "seeds", "first_seed")
@@ -54,7 +60,9 @@ def train_command(
         list[str] | None,
         typer.Option("--set", help="key=value in place of the recipe's, as in YAML; repeatable."),
     ] = None,
-    output: Annotated[Path, typer.Option(help="Folder for the runs.")] = Path("runs"),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     eval_every: Annotated[
         int,
         typer.Option(help="Steps between evaluations; 0: a tenth of all steps, with --shipped a twentieth."),
@@ -95,15 +103,21 @@ def train_command(
         groups = [(recipe, range(first_seed, first_seed + seeds))]
     for recipe, _ in groups:
         _check_environment(recipe)
+    evaluations = _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes)
+    folder = ResultFolder.choose(
+        *("train", output, name, _describe(groups, evaluations)), goes_on=resume or shipped
+    )
     runs = _Runs(
-        output.resolve(),
-        _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes),
+        folder.path.resolve(),
+        evaluations,
         checkpoint_every,
         "fresh" if fresh else "resume" if resume or shipped else "refuse",
         not shipped if tensorboard is None else tensorboard,
         _recipe_options(config, overrides),
     )
-    _train([runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups], workers)
+    with folder.in_use():
+        trained = _train([runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups], workers)
+    show_tables([results_table(*own) for own in trained], _notes(trained), form)
 
 
 @dataclass(frozen=True)
@@ -179,15 +193,22 @@ def _recipe_options(config: Path | None, overrides: Sequence[str]) -> tuple[str,
     return (*chosen, *(part for text in overrides for part in ("--set", text)))
 
 
-def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers) -> None:
-    """Train the seeds of all groups, and print what came out."""
+def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers) -> list[Trained]:
+    """Train the seeds of all groups; the jobs of each group with their results."""
     results = iter(train_seeds([job for jobs in groups for job in jobs], workers))
-    for jobs in groups:
-        show_results(jobs, list(islice(results, len(jobs))))
-    console = make_console(least=TABLE_WIDTH)
-    console.print("score: mean reward over held-out episodes, 1 is perfect.")
-    for folder in dict.fromkeys(job.folder.parent for jobs in groups for job in jobs):
-        console.print(f"runs: {folder}", highlight=False)
+    return [(jobs, list(islice(results, len(jobs)))) for jobs in groups]
+
+
+def _notes(trained: Sequence[Trained]) -> Iterator[str]:
+    """What explains the scores, and where the runs are."""
+    yield "score: mean reward over held-out episodes, 1 is perfect."
+    for folder in dict.fromkeys(job.folder.parent for jobs, _ in trained for job in jobs):
+        yield f"runs: {folder}"
+
+
+def _describe(groups: Sequence[tuple[Recipe, range]], evaluations: _Evaluations) -> list[Any]:
+    """All that the results of a training depend on, as plain values."""
+    return [[to_plain(recipe), list(seeds), to_plain(evaluations)] for recipe, seeds in groups]
 
 
 def _check_choice(context: typer.Context, env_id: str | None, shipped: bool, manifest: Path | None) -> None:

@@ -3,23 +3,28 @@
 import math
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 import prp_gym
-from prp_gym.cli.options import Plugins, Settings
+from prp_gym.cli.options import Output, Plugins, RunName, Settings, TableFormat
+from prp_gym.cli.shown import show_tables
 from prp_gym.errors import InvalidValueError, UnknownNameError
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search import RESULT, Search
 from prp_gym.runs.search_plan import EPISODES, SCENARIOS
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.terminal import make_console, make_progress
 from prp_gym.runs.tuning_candidates import choose_controller, with_start_gains
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import text_column
+from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
@@ -67,7 +72,9 @@ def tune_command(
     seed: Annotated[int, typer.Option(help="Seed of the search and of its training episodes.")] = 0,
     gains: StartGains = None,
     settings: Settings = None,
-    output: Annotated[Path, typer.Option(help="Folder for the folder of the search.")] = Path("tuning"),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with a search that was interrupted, if there is one.")
     ] = False,
@@ -81,14 +88,18 @@ def tune_command(
     if env not in list_envs():
         raise UnknownNameError("environment", env, list_envs())
     steps = _budget(budget, like, control_frequency)
-    name = _one_name(controller, baseline)
-    choice, controllers = choose_controller(name, GainsChoice.read(gains or TUNED, settings or ()))
+    chosen = _one_name(controller, baseline)
+    choice, controllers = choose_controller(chosen, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
         choice = with_start_gains(choice, controllers, env, control_frequency)
     scenarios = tuple(scenario or SCENARIOS)
     task = TuningTask(env, choice.name, scenarios, control_frequency, steps, episodes, seed)
-    search = Search(task, choice, output, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
-    _show(_run(search, controllers), search.folder / RESULT)
+    content = [asdict(task), asdict(choice)]
+    folder = ResultFolder.choose("tune", output, name, content, goes_on=resume)
+    search = Search(task, choice, folder.path, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
+    with folder.in_use():
+        result = _run(search, controllers)
+    show_tables([_table(result)], _notes(result, search.folder / RESULT), form)
 
 
 def _one_name(controller: str | None, baseline: str | None) -> str:
@@ -134,29 +145,32 @@ def _run(search: Search, controllers: Controllers) -> TunedController:
         return search.run(controllers, started, lambda trial: progress.advance(bar, trial.steps))
 
 
-def _show(result: TunedController, target: Path) -> None:
-    """Print the scores before and after."""
+def _table(result: TunedController) -> ResultTable:
+    """The scores before and after."""
     scenarios = " and ".join(result.scenarios)
     title = f"{result.controller} on {result.environment}, scenario {scenarios}"
-    table = Table()
+    columns = (text_column("settings"), TableColumn("training score"), TableColumn("validation score"))
+    scores = {
+        "start": (result.score_of_start, result.validation.score_of_start),
+        "result": (result.score, result.validation.score),
+    }
+    rows = [(name, *(Cell.number(score, ".4f") for score in own)) for name, own in scores.items()]
+    return ResultTable.of(title, columns, rows)
+
+
+def _notes(result: TunedController, target: Path) -> Iterator[str]:
+    """What explains the scores, and where the result is."""
     checked = result.validation
-    for header in ("settings", "training score", "validation score"):
-        table.add_column(header, justify="left" if header == "settings" else "right")
-    table.add_row("start", f"{result.score_of_start:.4f}", f"{checked.score_of_start:.4f}")
-    table.add_row("result", f"{result.score:.4f}", f"{checked.score:.4f}")
-    console = make_console(least=TABLE_WIDTH)
-    console.print(title, highlight=False)
-    console.print(table)
-    console.print(
+    yield (
         f"score: mean over scenarios of the mean reward, over {result.episodes} training and "
         f"{checked.episodes} validation episodes; 1 is perfect."
     )
     if checked.kept_start:
-        console.print("No candidate was better than the start on the validation episodes: it is the result.")
+        yield "No candidate was better than the start on the validation episodes: it is the result."
     for edge, reason in result.edges.items():
-        console.print(f"The best candidate lies at an edge of {edge} end: {reason}.", highlight=False)
-    console.print(
+        yield f"The best candidate lies at an edge of {edge} end: {reason}."
+    yield (
         f"{result.trials} trials, {result.used_steps} of {result.budget_steps} steps"
         f" ({result.simulated_seconds:g} s simulated), {result.seconds:.1f} s."
     )
-    console.print(f"result: {target}", highlight=False)
+    yield f"result: {target}"

@@ -4,19 +4,30 @@ import shlex
 import sys
 from collections.abc import Sequence
 from contextlib import closing
-from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from prp_gym.cli.options import Backend, Environments, ParallelWorkers, Plugins
+from prp_gym.cli.options import (
+    Backend,
+    Environments,
+    Output,
+    ParallelWorkers,
+    Plugins,
+    RunName,
+    TableFormat,
+)
+from prp_gym.cli.shown import show_tables
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
-from prp_gym.runs.terminal import TABLE_WIDTH, make_console, make_progress
+from prp_gym.runs.terminal import make_console, make_progress
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import prose_column, text_column
+from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.tuned_controller import TunedController
 
@@ -38,7 +49,9 @@ def tune_all_command(
         typer.Option(help="Share of these budgets that is spent."),
     ] = 1.0,
     seed: Annotated[int, typer.Option(help="Seed of the searches and of their training episodes.")] = 0,
-    output: Annotated[Path, typer.Option(help="Folder for the folders of the searches.")] = Path("tuning"),
+    output: Output = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     plugin: Plugins = None,
@@ -54,14 +67,20 @@ def tune_all_command(
         raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
     combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
+    content = [combinations, budget, budget_scale, seed]
+    folder = ResultFolder.choose("tune-all", output, name, content, goes_on=True)
     searches = [
-        plan_search(combination, budget, budget_scale, seed, output, command) for combination in combinations
+        plan_search(combination, budget, budget_scale, seed, folder.path, command)
+        for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
-    console = make_console(least=TABLE_WIDTH)
+    console = make_console(stderr=form != TERMINAL)
     outcomes: list[TunedController | PRPError] = []
     with (
-        kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"),
+        folder.in_use(),
+        kept_if_interrupted(
+            lambda: f"the searches are kept in {folder.path}; the same command goes on there"
+        ),
         make_progress() as progress,
         closing(workers.run(run_or_fail, searches)) as finished,
     ):
@@ -72,13 +91,12 @@ def tune_all_command(
             console.print(f"{task.environment_id} {task.controller}: {_line(outcome)}", highlight=False)
             progress.advance(bar)
     results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
-    console.print(_table(results))
-    console.print(
+    notes = (
         "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
         "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range.",
-        highlight=False,
+        f"results: {folder.path}",
     )
-    console.print(f"results: {output}", highlight=False)
+    show_tables([_table(results)], notes, form)
     if len(results) < len(searches):
         raise typer.Exit(_FAILED)
 
@@ -94,20 +112,24 @@ def _line(outcome: TunedController | PRPError) -> str:
     )
 
 
-def _table(results: Sequence[TunedController]) -> Table:
+def _table(results: Sequence[TunedController]) -> ResultTable:
     """A row for each result, by environment and controller."""
-    table = Table(title="validation of the searches", title_justify="left")
-    for header in ("environment", "controller"):
-        table.add_column(header, overflow="fold")
-    for header in ("start", "result", "gain", "trials", "search [s]"):
-        table.add_column(header, justify="right")
-    table.add_column("edges", overflow="fold")
-    for item in sorted(results, key=lambda item: (item.environment, item.controller)):
-        checked = item.validation
-        gain = "-" if checked.kept_start else f"{checked.score - checked.score_of_start:+.4f}"
-        cells = (f"{checked.score_of_start:.4f}", f"{checked.score:.4f}", gain)
-        edges = "; ".join(f"{edge} ({reason})" for edge, reason in item.edges.items())
-        table.add_row(
-            item.environment, item.controller, *cells, str(item.trials), f"{item.seconds:.0f}", edges
-        )
-    return table
+    columns = (
+        *(text_column("environment"), text_column("controller"), TableColumn("score of the start")),
+        *(TableColumn("score of the result"), TableColumn("gain"), TableColumn("trials")),
+        *(TableColumn("time of the search", ("s",)), prose_column("edges")),
+    )
+    rows = [_row(item) for item in sorted(results, key=lambda item: (item.environment, item.controller))]
+    return ResultTable.of("validation of the searches", columns, rows)
+
+
+def _row(item: TunedController) -> tuple[Cell | str, ...]:
+    checked = item.validation
+    gain = checked.score - checked.score_of_start
+    return (
+        *(item.environment, item.controller),
+        *(Cell.number(checked.score_of_start, ".4f"), Cell.number(checked.score, ".4f")),
+        Cell("-", 0.0) if checked.kept_start else Cell.number(gain, "+.4f"),
+        *(Cell.of(item.trials), Cell.number(item.seconds, ".0f")),
+        "; ".join(f"{edge} ({reason})" for edge, reason in item.edges.items()),
+    )

@@ -7,9 +7,9 @@ import numpy as np
 
 from prp_gym.comparison.plots import COLORS, GRID, MODE_COLORS, TUNING, new_figure, to_png
 from prp_gym.comparison.statistics import best_of, score_of
-from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, Condition, Entry, History
 from prp_gym.robot.arrays import Array
+from prp_gym.tables.matrix import short_id
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

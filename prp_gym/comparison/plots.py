@@ -13,8 +13,8 @@ from prp_gym.comparison.statistics import (
     estimate_score,
     score_of,
 )
-from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, KINDS, Condition
+from prp_gym.tables.matrix import short_id
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

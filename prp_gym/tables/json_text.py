@@ -19,11 +19,11 @@ def to_json(tables: Sequence[ResultTable]) -> str:
 def _plain(table: ResultTable) -> dict[str, Any]:
     columns = [
         {
-            "key": column.key,
+            "key": key,
             "title": column.title,
             "units": list(column.units),
             "parts": list(column.parts),
         }
-        for column in table.columns
+        for key, column in zip(table.keys, table.columns, strict=True)
     ]
     return {"title": table.title, "columns": columns, "rows": table.records}

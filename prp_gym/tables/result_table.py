@@ -31,10 +31,10 @@ class ResultTable:
     rows: tuple[tuple[Cell, ...], ...]
 
     def __post_init__(self) -> None:
-        keys = self.keys
-        for key in keys:
-            if keys.count(key) > 1:
-                raise InvalidValueError(f"columns of table {self.title!r}", key, "each heading once")
+        labels = [column.label for column in self.columns]
+        for label in labels:
+            if labels.count(label) > 1:
+                raise InvalidValueError(f"columns of table {self.title!r}", label, "each heading once")
         for row in self.rows:
             if len(row) != len(self.columns):
                 expected = f"({len(self.columns)},), one cell for each column"
@@ -54,8 +54,12 @@ class ResultTable:
 
     @property
     def keys(self) -> list[str]:
-        """Names of the columns for programs."""
-        return [column.key for column in self.columns]
+        """Names of the columns for programs, each once."""
+        found: list[str] = []
+        for column in self.columns:
+            count = sum(key.startswith(column.key) for key in found)
+            found.append(f"{column.key}_{count + 1}" if column.key in found else column.key)
+        return found
 
     @property
     def records(self) -> list[dict[str, Any]]:

@@ -5,17 +5,16 @@ import io
 import numpy as np
 import pytest
 from rich.console import Console
-from rich.table import Table
 
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.table import (
     aggregate_table,
     condition_table,
     effort_table,
-    fold,
     pairwise_table,
     spread_table,
 )
+from prp_gym.tables import ResultTable
 from tests.support.synthetic_comparison import agents, learning, record
 
 WIDTH = 120
@@ -24,7 +23,7 @@ ID = "PRP-JointRegulation-v0"
 SCORES = np.linspace(0.5, 0.9, 9)
 
 
-def printed(table: Table) -> str:
+def printed(table: ResultTable) -> str:
     target = io.StringIO()
     Console(file=target, width=WIDTH, color_system=None).print(table)
     text = target.getvalue()
@@ -32,7 +31,7 @@ def printed(table: Table) -> str:
     return text
 
 
-def cells(table: Table, name: str) -> list[str]:
+def cells(table: ResultTable, name: str) -> list[str]:
     """Words of the only line that has a name."""
     (line,) = (line for line in printed(table).splitlines() if name in line)
     return line.split()

@@ -32,9 +32,14 @@ def shown(table: ResultTable, width: int = 120) -> list[str]:
 
 
 def test_two_columns_with_one_heading_are_refused() -> None:
-    columns = (text_column("name"), TableColumn("peak\u00ad force"), TableColumn("Peak force"))
-    with pytest.raises(InvalidValueError, match="'peak_force'; allowed: each heading once"):
+    columns = (text_column("name"), TableColumn("peak\u00ad force"), TableColumn("peak force"))
+    with pytest.raises(InvalidValueError, match="'peak force'; allowed: each heading once"):
         ResultTable.of("t", columns, [])
+
+
+def test_columns_that_differ_in_their_unit_have_different_keys() -> None:
+    columns = (TableColumn("force", ("N",)), TableColumn("force", ("%",)), TableColumn("f: x"))
+    assert ResultTable.of("t", columns, []).keys == ["force", "force_2", "f_x"]
 
 
 def test_row_of_another_length_is_refused() -> None:
