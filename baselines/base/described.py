@@ -1,18 +1,22 @@
 """`DescribedController`: how a controller shows itself, as text, table, data frame and figure."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+from prp_gym.baselines.base.settings import Settings
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.tables import Cell, ResultTable, TableColumn
 from prp_gym.tables.column import text_column
 from prp_gym.tables.data_frame import make_frame
 
 if TYPE_CHECKING:
+    from prp_gym.baselines.base.policy import ControlInterface
     from prp_gym.figures.notebook_figure import NotebookFigure
     from prp_gym.tables.data_frame import DataFrame
+
+OwnSettings = TypeVar("OwnSettings", bound=Settings)
 
 _COLUMNS = (text_column("setting"), TableColumn("value"), text_column("unit"))
 
@@ -36,7 +40,7 @@ class Origin:
         return f"{self.controller} with {self.gains}{changed}"
 
 
-class DescribedController:
+class DescribedController(Generic[OwnSettings]):
     """What all controllers show of themselves.
 
     Attributes:
@@ -45,8 +49,8 @@ class DescribedController:
         origin: where the settings come from.
     """
 
-    interface: Any
-    settings: Any
+    interface: "ControlInterface"
+    settings: OwnSettings
     origin: Origin
 
     def __repr__(self) -> str:

@@ -129,7 +129,7 @@ def _attribute(env: Any, name: str) -> Any:
 SettingsT = TypeVar("SettingsT", bound=Settings)
 
 
-class Baseline(DescribedController, ABC, Generic[SettingsT]):
+class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
     """A controller of one environment, or of many of them at once.
 
     The state of a stateful controller (integrals, estimates) is a tuple of arrays with the leading dimensions

@@ -11,6 +11,7 @@ from prp_gym.cli.compare import compare_command
 from prp_gym.cli.evaluate import evaluate_command
 from prp_gym.cli.export import export_command
 from prp_gym.cli.listing import list_command
+from prp_gym.cli.plot import plot_command
 from prp_gym.cli.reproduce import reproduce_command
 from prp_gym.cli.ship import ship_command
 from prp_gym.cli.ship_gains import ship_gains_command
@@ -53,6 +54,7 @@ app.command("compare")(compare_command)
 app.command("evaluate")(evaluate_command)
 app.command("export")(export_command)
 app.command("list")(list_command)
+app.command("plot")(plot_command)
 app.command("reproduce")(reproduce_command)
 app.command("ship")(ship_command)
 app.command("ship-gains")(ship_gains_command)

@@ -236,7 +236,7 @@ def _table(candidates: Sequence[Candidate], changed: Sequence[Candidate]) -> Res
         *(TableColumn(f"score, {name}", parts=("mean", "low", "high")) for name in SCENARIOS),
         text_column("files"),
     )
-    rows = []
+    rows: list[tuple[Cell | str, ...]] = []
     for candidate in candidates:
         scores = load_agent(candidate.target).card.scores
         name = f"{candidate.target.parent.name}/{candidate.target.name}"

@@ -21,6 +21,7 @@ from prp_gym.cli.shown import show_tables
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.result_folder import ResultFolder
+from prp_gym.runs.search import Search
 from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
 from prp_gym.runs.terminal import make_console, make_progress
@@ -32,6 +33,10 @@ from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.tuned_controller import TunedController
 
 _FAILED = 1  # exit code
+_NOTE = (
+    "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that is "
+    "the start was not surpassed. Edges: parameters whose best factor lies at the end of its range."
+)
 
 
 def tune_all_command(
@@ -74,13 +79,21 @@ def tune_all_command(
         for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
+    with folder.in_use():  # one with a failed search stays unfinished, so that the same command tries again
+        outcomes = _run(searches, workers, form)
+        results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
+        show_tables([_table(results)], (_NOTE, f"results: {folder.path}"), form)
+        if len(results) < len(searches):
+            raise typer.Exit(_FAILED)
+
+
+def _run(searches: Sequence[Search], workers: Workers, form: str) -> list[TunedController | PRPError]:
+    """Run the searches behind a progress bar, and print a line for each that ends."""
     console = make_console(stderr=form != TERMINAL)
     outcomes: list[TunedController | PRPError] = []
+    kept = f"the searches are kept in {searches[0].output}; the same command goes on there"
     with (
-        folder.in_use(),
-        kept_if_interrupted(
-            lambda: f"the searches are kept in {folder.path}; the same command goes on there"
-        ),
+        kept_if_interrupted(lambda: kept),
         make_progress() as progress,
         closing(workers.run(run_or_fail, searches)) as finished,
     ):
@@ -90,15 +103,7 @@ def tune_all_command(
             task = searches[index].task
             console.print(f"{task.environment_id} {task.controller}: {_line(outcome)}", highlight=False)
             progress.advance(bar)
-    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
-    notes = (
-        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
-        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range.",
-        f"results: {folder.path}",
-    )
-    show_tables([_table(results)], notes, form)
-    if len(results) < len(searches):
-        raise typer.Exit(_FAILED)
+    return outcomes
 
 
 def _line(outcome: TunedController | PRPError) -> str:

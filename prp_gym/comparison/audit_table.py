@@ -43,7 +43,7 @@ def unaware_table(audits: Iterable[Audit], names: Sequence[str]) -> ResultTable:
         *(*_CONDITION, TableColumn("best policy")),
         *(TableColumn(name, parts=("score", "rank")) for name in names),
     )
-    rows = []
+    rows: list[tuple[Cell | str, ...]] = []
     for item in audits:
         ranked = sorted(item.scores, reverse=True)
         scores = dict(zip(item.policies, item.scores, strict=True))

@@ -36,4 +36,4 @@ class EpisodePanel:
     quantity: str
     curves: tuple[EpisodeCurve, ...]
     limits: tuple[tuple[str, float], ...] = ()
-    fixed_range: tuple[float, ...] = ()
+    fixed_range: tuple[float, float] | tuple[()] = ()

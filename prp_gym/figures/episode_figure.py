@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _COLUMNS = 2
 _WIDTH, _PANEL_HEIGHT, _TITLE_HEIGHT = 10.0, 2.2, 0.8  # [inches]
 _COLORS, _MARKERS = (BLUE, VERMILLION, BLUISH_GREEN), ("o", "s", "^")
-_STYLES = {ACTUAL: "-", REFERENCE: "--", MODEL: ":"}
+_STYLES: dict[str, Any] = {ACTUAL: "-", REFERENCE: "--", MODEL: ":"}
 _WIDTHS = {ACTUAL: 1.4, REFERENCE: 1.1, MODEL: 1.4}
 _NAMES = {ACTUAL: "actual", REFERENCE: "reference", MODEL: "target model"}
 _ROW_OF_NAMES: dict[str, Any] = {  # above the axes, where it hides no curve

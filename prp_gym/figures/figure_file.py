@@ -16,7 +16,7 @@ SUFFIXES = (".png", ".svg", ".pdf")
 """Suffixes of the files in which figures can be written."""
 
 _DPI = 100
-_FILE_SETTINGS = {
+_FILE_SETTINGS: Any = {
     "pdf.fonttype": 42,  # letters as outlines of TrueType: journals refuse bitmaps
     "svg.fonttype": "none",  # text stays text, which can be searched and edited
     "svg.hashsalt": "prp_gym",  # equal figures give equal files

@@ -62,8 +62,10 @@ def test_torque_panels_hold_the_limits_of_their_joints() -> None:
 def test_limit_that_is_reached_is_drawn_to_both_sides() -> None:
     pushing = replace(rollout_of("link"), applied_torque=np.array([[49.0], [-50.0]]))
     axes = next(own for own in draw_episode(pushing).axes if "N m" in own.get_ylabel())
-    levels = [line.get_ydata() for line in axes.get_lines() if line.get_linestyle() == "-."]
-    assert [list(level) for level in levels] == [[-50.0, -50.0], [50.0, 50.0]]
+    levels = [
+        np.asarray(line.get_ydata()).tolist() for line in axes.get_lines() if line.get_linestyle() == "-."
+    ]
+    assert levels == [[-50.0, -50.0], [50.0, 50.0]]
 
 
 def test_contact_is_marked_from_touch_to_release() -> None:
