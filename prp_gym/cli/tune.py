@@ -154,7 +154,7 @@ def _table(result: TunedController) -> ResultTable:
         "start": (result.score_of_start, result.validation.score_of_start),
         "result": (result.score, result.validation.score),
     }
-    rows = [(name, *(Cell.number(score, ".4f") for score in own)) for name, own in scores.items()]
+    rows = [(Cell.of(name), *(Cell.number(score, ".4f") for score in own)) for name, own in scores.items()]
     return ResultTable.of(title, columns, rows)
 
 

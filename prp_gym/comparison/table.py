@@ -16,7 +16,7 @@ from prp_gym.tables import ABSENT, Cell, ResultTable, TableColumn
 from prp_gym.tables.column import interval_column, text_column
 from prp_gym.tables.matrix import id_cell
 
-_WIDEST_NAME = 28
+_WIDEST_NAME, _NARROW = 28, 16  # characters of a name in one line
 _ENVIRONMENT, _SCENARIO = text_column("environment"), text_column("scenario")
 _AGENT = text_column("agent", _WIDEST_NAME)
 _SCORE = (TableColumn("score"), interval_column("95 % interval"))
@@ -77,10 +77,10 @@ def pairwise_table(pairwise_comparisons: Iterable[PairwiseComparison]) -> Result
         *(
             _ENVIRONMENT,
             _SCENARIO,
-            text_column("best con\u00adtroller, then best agent", _WIDEST_NAME),
+            text_column("best con\u00adtroller, then best agent", _NARROW),
             *_SCORE,
         ),
-        TableColumn("agent minus con\u00adtroller, paired"),
+        TableColumn("agent minus con\u00adtroller"),
         interval_column("95 % interval of the differ\u00adence"),
         TableColumn("proba\u00adbility that agent is better"),
         text_column("dis\u00adjoint inter\u00advals"),

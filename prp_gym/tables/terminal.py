@@ -11,7 +11,8 @@ from prp_gym.tables.column import TableColumn
 from prp_gym.tables.headings import fold_heading, fold_name, longest_piece
 from prp_gym.tables.result_table import ResultTable
 
-_GAP = 1  # between columns
+_GAP = 2  # characters between columns, and of both edges together
+_NAMES_AT_MOST = 0.6  # of the width
 _STYLES = {"": "", "good": "green", "warning": "yellow", "bad": "bold red"}
 
 
@@ -26,7 +27,7 @@ def terminal_tables(table: ResultTable, width: int) -> list[Table]:
     widths = [_width(column, own) for column, own in zip(table.columns, cells, strict=True)]
     if any(column.wraps for column in table.columns):
         return [_part(table, cells, widths, range(len(widths)))]
-    names = _leading_names(table.columns)
+    names = _leading_names(table.columns, widths, width)
     room = width - sum(widths[index] + _GAP for index in range(names))
     parts = _fitting([own + _GAP for own in widths[names:]], room)
     return [
@@ -34,17 +35,19 @@ def terminal_tables(table: ResultTable, width: int) -> list[Table]:
     ]
 
 
-def _leading_names(columns: Sequence[TableColumn]) -> int:
-    """How many columns of names a table begins with; one at least, and not all of them."""
+def _leading_names(columns: Sequence[TableColumn], widths: Sequence[int], width: int) -> int:
+    """How many columns of names every part begins with: one at least, and no more than leave room."""
     count = next((index for index, column in enumerate(columns) if column.numeric), len(columns))
-    return count if 0 < count < len(columns) else min(1, len(columns))
+    while count > 1 and (count == len(columns) or sum(widths[:count]) > _NAMES_AT_MOST * width):
+        count -= 1
+    return min(1, len(columns)) if count == 0 else count
 
 
 def _part(
     table: ResultTable, cells: Sequence[Sequence[Text]], widths: Sequence[int], chosen: Sequence[int]
 ) -> Table:
     """Some columns of a table."""
-    made = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, _GAP, 0, 0))
+    made = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, _GAP - 1, 0, 0))
     for index in chosen:
         column = table.columns[index]
         made.add_column(

@@ -23,9 +23,9 @@ ID = "PRP-JointRegulation-v0"
 SCORES = np.linspace(0.5, 0.9, 9)
 
 
-def printed(table: ResultTable) -> str:
+def printed(table: ResultTable, width: int = WIDTH) -> str:
     target = io.StringIO()
-    Console(file=target, width=WIDTH, color_system=None).print(table)
+    Console(file=target, width=width, color_system=None).print(table)
     text = target.getvalue()
     assert "…" not in text
     return text
@@ -73,12 +73,34 @@ def test_median_is_over_training_seeds_and_episodes() -> None:
 
 
 def test_pairwise_comparison_takes_two_lines(outcome: Outcome) -> None:
-    lines = printed(pairwise_table(outcome.pairwise_comparisons)).splitlines()
-    (controller,) = (line.split() for line in lines if " 0.750" in line)
-    (agent,) = (line.split() for line in lines if " -0.250" in line)
-    assert controller[:4] == ["JointRegulation", "randomized", LONG, "0.750"]
+    table = pairwise_table(outcome.pairwise_comparisons)
+    lines = printed(table).splitlines()
+    (controller,) = (line.split() for line in lines if " 0.750 " in line)
+    (agent,) = (line.split() for line in lines if " -0.250 " in line)
+    assert [controller[:2], controller[-2]] == [["JointRegulation", "randomized"], "0.750"]
     assert (agent[-8], agent[-6]) == ("0.500", "-0.250")
     assert agent[-3:] == ["0.00", "yes", "controller"]
+    one, other = table.records
+    assert one["environment"] == other["environment"] == ID
+    assert one["best_controller_then_best_agent"] == LONG
+    assert other["agent_minus_controller"] == pytest.approx(-0.25, abs=1e-12)
+    assert one["better"] is None
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_no_table_is_cut_off_in_a_narrow_terminal(outcome: Outcome, width: int) -> None:
+    tables = (
+        pairwise_table(outcome.pairwise_comparisons),
+        *(spread_table(outcome.conditions), aggregate_table(outcome.aggregates)),
+        *(effort_table(outcome.efforts), condition_table(outcome.conditions[0], 0)),
+    )
+    for table in tables:
+        lines = printed(table, width).splitlines()
+        assert max(map(len, lines)) <= width
+        numbers = [
+            row[index].text for row in table.rows for index in range(len(row)) if table.columns[index].numeric
+        ]
+        assert all(number in " ".join(lines) for number in numbers)
 
 
 def test_spread_is_median_and_range(outcome: Outcome) -> None:

@@ -72,6 +72,16 @@ def test_narrow_terminal_gets_several_parts_that_repeat_the_names() -> None:
     ]
 
 
+@pytest.mark.parametrize("width", range(30, 100, 3))
+def test_nothing_is_cut_off_at_any_width(width: int) -> None:
+    columns = (text_column("name"), *(TableColumn(f"column_of_{index}") for index in range(8)))
+    table = ResultTable.of("t", columns, [("operational", *(f"{index}" * 11 for index in range(8)))])
+    text = " ".join(shown(table, width))
+    assert "…" not in text
+    assert all(f"{index}" * 11 in text.split() for index in range(8))
+    assert text.count("operational") == len([line for line in shown(table, width) if "───" in line])
+
+
 def test_long_name_is_broken_at_its_width_and_whole_elsewhere() -> None:
     table = ResultTable.of("t", (text_column("name", 10), TableColumn("n")), [("residual_joint_pd", "1")])
     assert [line.split() for line in shown(table)[-3:-1]] == [["residual_"], ["joint_pd", "1"]]
