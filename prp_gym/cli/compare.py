@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.artifacts import write_file
 from prp_gym.cli.options import (
     Backend,
     ControllerNames,
     Environments,
+    FigureKind,
     FirstSeed,
     Fresh,
     Gains,
@@ -37,6 +37,7 @@ from prp_gym.comparison.table import (
 )
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.table import SCORE_NOTE
+from prp_gym.figures.figure_file import write_figure
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.job import describe_jobs
 from prp_gym.runs.result_folder import ResultFolder
@@ -68,6 +69,7 @@ def compare_command(
     output: Output = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
+    figures: FigureKind = "png",
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     fresh: Fresh = False,
@@ -90,12 +92,12 @@ def compare_command(
     with run.hold(listed), folder.in_use():
         records = run.records(listed, "comparing")
         outcome = Outcome.of(records, seed)
-        _draw(outcome, folder.path)
+        _draw(outcome, folder.path, figures)
         run.write(listed, records, outcome.to_plain())
     show_tables(list(_tables(outcome)), _notes(outcome, run), form)
 
 
-def _draw(outcome: Outcome, folder: Path) -> None:
+def _draw(outcome: Outcome, folder: Path, kind: str) -> None:
     """Write the figures."""
     figures = {
         "profiles": draw_profiles(outcome.aggregates),
@@ -105,7 +107,7 @@ def _draw(outcome: Outcome, folder: Path) -> None:
     if outcome.learned:
         figures["learning"] = draw_learning(outcome.conditions)
     for name, figure in figures.items():
-        write_file(folder / f"{name}.png", figure)
+        write_figure(folder / f"{name}.{kind}", figure)
 
 
 def _tables(outcome: Outcome) -> Iterator[ResultTable]:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from prp_gym.checks import choice
+from prp_gym.figures.figure_file import SUFFIXES
 from prp_gym.plugins import load_plugins
 from prp_gym.tables.formats import FORMATS, TERMINAL
 
@@ -17,6 +18,10 @@ def _load(modules: list[str] | None) -> list[str] | None:
 
 def _check_format(value: str) -> str:
     return choice("--format", value, FORMATS)
+
+
+def _check_kind(value: str) -> str:
+    return choice("--figures", value, [suffix[1:] for suffix in SUFFIXES])
 
 
 Plugins = Annotated[
@@ -79,4 +84,8 @@ TableFormat = Annotated[
         "standard output.",
         callback=_check_format,
     ),
+]
+FigureKind = Annotated[
+    str,
+    typer.Option("--figures", help="Kind of the figures: png; svg or pdf for papers.", callback=_check_kind),
 ]

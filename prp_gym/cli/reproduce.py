@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.cli.options import Output, Plugins, RunName, TableFormat
+from prp_gym.cli.options import FigureKind, Output, Plugins, RunName, TableFormat
 from prp_gym.cli.shown import show_tables
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
 from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
-from prp_gym.reproduction.report import write_figure, write_index, write_summary
+from prp_gym.reproduction.report import write_data, write_index, write_summary
 from prp_gym.reproduction.run import RecordedRun, check_names, record_run
 from prp_gym.reproduction.table import answers_table, verdict_table
 from prp_gym.runs.result_folder import ResultFolder
@@ -28,6 +28,7 @@ def reproduce_command(
     output: Output = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
+    figures: FigureKind = "png",
     plugin: Plugins = None,
 ) -> None:
     """Run the report's experiments again: figures, and closed forms beside what is measured.
@@ -41,18 +42,20 @@ def reproduce_command(
             check_names(catalogue.runs[run])
     folder = ResultFolder.choose("reproduce", output, name, sorted(figure or []), goes_on=False)
     with FolderLock(folder.path).hold(), folder.in_use():
-        outcomes = _reproduce(chosen, catalogue, folder.path)
+        outcomes = _reproduce(chosen, catalogue, folder.path, figures)
         answers = fill(catalogue.answers, outcomes)
         command = shlex.join(["prp-gym", *sys.argv[1:]])
         write_summary(folder.path, outcomes, answers, command)
-        write_index(folder.path, outcomes, answers, command)
+        write_index(folder.path, outcomes, answers, command, figures)
     notes = [f"figures, tables and explanations: {folder.path / 'index.md'}"]
     show_tables([verdict_table(outcomes), answers_table(answers)], notes, form)
     if any(verdict.word == "FAIL" for outcome in outcomes for verdict in outcome.verdicts):
         raise typer.Exit(_FAILED)
 
 
-def _reproduce(chosen: list[Experiment], catalogue: Catalogue, output: Path) -> list[FigureOutcome]:
+def _reproduce(
+    chosen: list[Experiment], catalogue: Catalogue, output: Path, kind: str
+) -> list[FigureOutcome]:
     """Simulate every run once, judge and draw every figure, under a progress bar."""
     names = list(dict.fromkeys(name for experiment in chosen for name in experiment.runs))
     recorded: dict[str, RecordedRun] = {}
@@ -66,6 +69,6 @@ def _reproduce(chosen: list[Experiment], catalogue: Catalogue, output: Path) -> 
         for experiment in chosen:
             progress.update(bar, description=f"drawing figure {experiment.number}")
             outcomes.append(judge(experiment, recorded))
-            write_figure(output, outcomes[-1])
+            write_data(output, outcomes[-1], kind)
             progress.advance(bar)
     return outcomes

@@ -13,6 +13,7 @@ from prp_gym.comparison.learning_plots import draw_learning
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
 from prp_gym.comparison.table import aggregate_table, condition_table, pairwise_table
+from prp_gym.figures.figure_file import figure_content
 from prp_gym.tables import ResultTable
 from tests.support.synthetic_comparison import agents, learning, record
 
@@ -76,6 +77,6 @@ def test_every_plot_can_be_drawn(name: str) -> None:
     if outcome.learned:
         frames.append(draw_learning(outcome.conditions))
     for frame in frames:
-        with Image.open(io.BytesIO(frame)) as image:
+        with Image.open(io.BytesIO(figure_content(frame, ".png"))) as image:
             assert image.width >= 600
             assert len(image.convert("RGB").getcolors(2**24) or []) > 1  # not blank
