@@ -105,7 +105,7 @@ class Rollout:
         """What the episode is, in a few lines."""
         facts = {
             "seed": f"{self.seed}",
-            "length": f"{self.time[-1]:g} s of {self.duration:g} s, {1.0 / self.period:g} periods a second",
+            "length": f"{self.time[-1]:g} s of {self.duration:g} s, {1.0 / self.period:g} Hz",
             "score": f"{self.score:.3f}",
             "diverged": "yes" if self.diverged else "no",
             "recorded": ", ".join([*self.fields, "torque", "applied_torque", "reward"]),

@@ -30,7 +30,7 @@ _ROW_OF_NAMES: dict[str, Any] = {  # above the axes, where it hides no curve
     "handlelength": 1.8,
     "columnspacing": 1.2,
 }
-_MARKS = 8  # markers of a line
+_MARKERS_OF_A_CURVE = 8  # markers of a line
 _CONTACT = "#E4E4E4"
 _LIMIT_SHOWN_FROM = 0.5  # of a limit; a smaller torque would become a flat line beside it
 
@@ -94,7 +94,7 @@ def _draw(axes: "Axes", panel: EpisodePanel, rollout: Rollout) -> None:
 
 
 def _draw_curve(axes: "Axes", curve: EpisodeCurve, rollout: Rollout) -> None:
-    step = max(1, len(curve.values) // _MARKS)
+    step = max(1, len(curve.values) // _MARKERS_OF_A_CURVE)
     axes.plot(
         rollout.time[: len(curve.values)],
         curve.values,

@@ -64,7 +64,7 @@ def figure_content(figure: "Figure", suffix: str) -> bytes:
 
 
 def write_figure(path: Path, figure: "Figure") -> None:
-    """Write a figure, as a picture or as vector graphics by the suffix of the file.
+    """Write a figure, as pixels or as vector graphics by the suffix of the file.
 
     Args:
         path: path of the file; its folder is made if it does not exist.

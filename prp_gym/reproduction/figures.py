@@ -30,7 +30,7 @@ REFERENCE_LABEL = "reference"
 """Label of the reference in legends and data; no run may have the same."""
 
 _MARKERS = ("", "s", "^", "D")  # of the runs in their order; the first one is also the thickest
-_MARKS = 7  # markers of a curve
+_MARKERS_OF_A_CURVE = 7  # markers of a curve
 _REFERENCE = BLACK
 _PREDICTED = ORANGE
 _LEVEL = "#777777"
@@ -153,7 +153,7 @@ def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str,
         color = colors[curve.run]
         (line,) = axes.plot(curve.time, curve.values, color=color, linewidth=width, markersize=4)
         line.set_marker(_MARKERS[COLORS.index(color)])
-        line.set_markevery((COLORS.index(color) * 3, max(1, len(curve.time) // _MARKS)))
+        line.set_markevery((COLORS.index(color) * 3, max(1, len(curve.time) // _MARKERS_OF_A_CURVE)))
         lines[_with_subscripts(curve.label)] = line
     for curve in item.reference:
         (line,) = axes.plot(curve.time, curve.values, color=_REFERENCE, linewidth=1.1, linestyle="--")

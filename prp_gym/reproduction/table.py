@@ -46,7 +46,7 @@ def _numbers(values: Array, digits: int = 4) -> Cell:
 
 def answers_table(answers: Sequence[tuple[Answer, str]]) -> ResultTable:
     """The report's questions with their answers."""
-    columns = (TableColumn("question"), prose_column("asked"), prose_column("answer"))
+    columns = (TableColumn("question"), prose_column("what the report asks"), prose_column("answer"))
     return ResultTable.of(
         "answers", columns, [(answer.question, answer.asks, text) for answer, text in answers]
     )

@@ -3,7 +3,7 @@
 import re
 
 SOFT_HYPHEN = "\u00ad"
-"""Place at which a word of a heading may be broken; invisible elsewhere."""
+"""Character at which a word of a heading may be broken; invisible elsewhere."""
 
 _SEPARATORS = " _-"
 
