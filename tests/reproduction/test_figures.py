@@ -100,7 +100,9 @@ def test_runs_keep_their_colour_in_every_axes() -> None:
     with Image.open(io.BytesIO(figure_content(draw(outcome(*panels)), ".png"))) as frame:
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
     first, second = (
-        (np.abs(pixels - [int(color[start : start + 2], 16) for start in (1, 3, 5)]) < 20).all(axis=-1)[:640]
+        np.all(
+            np.abs(pixels[:640] - np.array([int(color[at : at + 2], 16) for at in (1, 3, 5)])) < 20, axis=-1
+        )
         for color in COLORS[:2]  # without the legend
     )
     assert first[:310].sum() > 500
