@@ -17,22 +17,25 @@ def verdict_table(outcomes: Sequence[FigureOutcome]) -> ResultTable:
         *(
             TableColumn("figure"),
             TableColumn("question"),
-            text_column("quantity", 30),
-            text_column("unit", 12),
+            text_column("quantity", 28),
+            text_column("unit", 8),
         ),
-        *(text_column("predicted", 21), text_column("measured", 20), text_column("tolerance", 11)),
+        *(text_column("predicted", 17), text_column("measured", 16), text_column("tolerance", 11)),
         text_column("verdict"),
     )
     rows = [
-        _check(outcome.experiment.number, verdict) for outcome in outcomes for verdict in outcome.verdicts
+        _check(outcome.experiment.number, verdict, first=index == 0)
+        for outcome in outcomes
+        for index, verdict in enumerate(outcome.verdicts)
     ]
     return ResultTable.of("predicted and measured", columns, rows)
 
 
-def _check(figure: int, verdict: Verdict) -> tuple[Cell | str, ...]:
+def _check(figure: int, verdict: Verdict, first: bool) -> tuple[Cell | str, ...]:
+    """One line; people see the number of the figure beside its first check alone."""
     check = verdict.check
     return (
-        *(Cell.of(figure), check.question, check.what, unit_of(check)),
+        *(Cell(str(figure) if first else "", figure), check.question, check.what, unit_of(check)),
         *(_numbers(verdict.predicted), _numbers(verdict.measured), _numbers(verdict.tolerance, digits=2)),
         Cell(verdict.word, verdict.word, _TONES[verdict.word]),
     )

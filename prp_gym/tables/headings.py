@@ -5,7 +5,7 @@ import re
 SOFT_HYPHEN = "\u00ad"
 """Character at which a word of a heading may be broken; invisible elsewhere."""
 
-_SEPARATORS = " _-"
+_BREAKS = re.compile(r"[ _]|-(?=[A-Za-z])")  # no minus sign is left behind
 
 
 def without_breaks(heading: str) -> str:
@@ -38,7 +38,7 @@ def fold_name(name: str, width: int) -> str:
     """A name in lines of a width, broken after a space, an underscore or a hyphen where there is one."""
     lines = []
     while len(name) > width:
-        breaks = [index + 1 for index in range(width) if name[index] in _SEPARATORS]
+        breaks = [found.end() for found in _BREAKS.finditer(name, 0, width)]
         end = width if name[width] == " " or not breaks else breaks[-1]
         lines.append(name[:end].rstrip())
         name = name[end:].lstrip()

@@ -37,4 +37,5 @@ def test_heading_in_one_line_has_no_breaks() -> None:
 
 def test_names_of_controllers_are_broken_at_underscores() -> None:
     assert fold_heading("operational_inverse_dynamics", 12) == ["operational_", "inverse_", "dynamics"]
+    assert fold_name("(0.12, -0.5, 1e-05)", 8) == "(0.12,\n-0.5,\n1e-05)"
     assert fold_name("operational_inverse_dynamics (report)", 28) == "operational_inverse_dynamics\n(report)"
