@@ -63,21 +63,21 @@ learn-check: $(VENV)/.dev
 	$(BIN)/python -m docs.generate
 
 train: $(VENV)/.agents
-	$(BIN)/prp-gym train --shipped
-	$(BIN)/prp-gym ship
+	$(BIN)/prp-gym train --shipped --output runs
+	$(BIN)/prp-gym ship --runs runs
 
 compare: $(VENV)/.core
-	$(BIN)/prp-gym compare
+	$(BIN)/prp-gym compare --output comparison
 
 # The stored summary is the one that docs/audit.md shows.
 audit: $(VENV)/.dev
-	$(BIN)/prp-gym audit $(AUDIT); status=$$?; \
+	$(BIN)/prp-gym audit --output audit $(AUDIT); status=$$?; \
 	$(BIN)/python -m docs.audit_page audit/results.json && exit $$status
 
 tune: $(VENV)/.core
 	$(PIP) --editable '.[tune]'
-	$(BIN)/prp-gym tune-all $(TUNE)
-	$(BIN)/prp-gym ship-gains
+	$(BIN)/prp-gym tune-all --output tuning $(TUNE)
+	$(BIN)/prp-gym ship-gains --searches tuning
 
 docs: $(VENV)/.dev
 	$(BIN)/python -m docs.generate

@@ -18,8 +18,8 @@ from bench.report import PARTS, machine_text, write_page
 from bench.rounds import FREE, FULL, QUICK, REACHER, Effort, race
 from bench.sheets import Sheet, sheets
 from prp_gym.artifacts import prepare_folder, write_json
+from prp_gym.console.consoles import make_console
 from prp_gym.errors import UnknownNameError
-from prp_gym.runs.terminal import make_console
 
 _RESET_SIZES = (1, 64, 1024)
 _QUICK_RESET_SIZES = (1, 4)

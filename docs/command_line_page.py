@@ -10,12 +10,14 @@ from prp_gym.cli.main import app
 _COMMON = """An option means the same in every command that has it, and so does its short form. In short:
 
 - `--resume`, the default, goes on with what an interrupted run of the same command has kept; `--fresh`
-  removes that and starts over.
-- `--output` is what the command writes: a folder, or a file where it writes one.
+  starts over.
+- `--output` is what the command writes: a folder, or a file where it writes one. Without it, every run
+  has a folder of its own, `results/<command>/<date and time>`, and `results/<command>/latest` leads to the
+  last one; see [publishing](publishing.md).
 - `--jobs` are parallel workers, `--seed` is the random seed, `--episodes` are those of each policy.
 - Standard output holds the results alone. Progress goes to standard error: bars in a terminal, elsewhere a
   line at least every 30 s. `--quiet` leaves it out, together with the notes below tables; `--json` prints the
-  results as one JSON document in place of tables.
+  results as one JSON document in place of tables, and `--format` gives the tables another form.
 - `prp-gym --install-completion` lets the shell complete commands, options and names.
 - Ctrl-C ends a command with a message that says what was kept and how to go on.
 """

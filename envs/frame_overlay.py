@@ -5,11 +5,11 @@ import numpy as np
 from prp_gym.drawing.contact_ring import FREE, LOST, TOUCHING, ContactRing
 from prp_gym.drawing.ghost import Ghost
 from prp_gym.drawing.overlay import Arrow, DashedArrow, OverlayItem
-from prp_gym.drawing.palette import FORCE, MEASURED, REFERENCE, rgba
 from prp_gym.drawing.trail import Trail
 from prp_gym.drawing.triad import Triad, tip_axes
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.tip_history import TipHistory
+from prp_gym.palette import FORCE, MEASURED, REFERENCE, rgba
 from prp_gym.physics.mjcf import TIP_RADIUS
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, norm

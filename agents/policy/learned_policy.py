@@ -1,18 +1,25 @@
 """`LearnedPolicy`: a trained agent with the `predict` method of Stable-Baselines3, computed in numpy."""
 
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.agents.policy.agent_card import AgentCard, Keyword, make_features
+from prp_gym.agents.policy.card_table import card_table, learning_columns
 from prp_gym.agents.policy.environment_facts import check_same
 from prp_gym.agents.policy.network import Network
 from prp_gym.agents.policy.normalizer import Normalizer
 from prp_gym.checks import flag
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
+from prp_gym.tables import ResultTable
+from prp_gym.tables.data_frame import make_frame
+
+if TYPE_CHECKING:
+    from prp_gym.figures.notebook_figure import NotebookFigure
+    from prp_gym.tables.data_frame import DataFrame
 
 
 class LearnedPolicy:
@@ -38,6 +45,47 @@ class LearnedPolicy:
         self.network = network
         self._layout = card.interface.make_layout()
         self._features = make_features(card.interface)
+
+    def __repr__(self) -> str:
+        """The algorithm, the environment and the scores."""
+        card = self.card
+        scores = ", ".join(f"{score.value:.3f} ({name})" for name, score in card.scores.items())
+        return (
+            f"<LearnedPolicy {card.algorithm} of training seed {card.seed}, action mode {card.action_mode},"
+            f" for {card.environment_id} at {card.control_frequency:g} Hz: score {scores or 'unknown'}>"
+        )
+
+    @property
+    def table(self) -> ResultTable:
+        """What the agent is, in a few lines."""
+        return card_table(self.card)
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook."""
+        return self.table._repr_html_()
+
+    def to_frame(self) -> "DataFrame":
+        """The training as a data frame of pandas, a row for each evaluation on held-out episodes.
+
+        Returns:
+            steps, wall-clock time, simulated time, score, and violations so far by their kind; units stand
+            in `attrs["units"]`.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        columns = learning_columns(self.card)
+        units = {"seconds": ("s",), "simulated_seconds": ("s",), "score": ("1",)}
+        return make_frame(columns, units)
+
+    def plot(self) -> "NotebookFigure":
+        """The learning curve as a figure: score on held-out episodes against simulated time."""
+        from prp_gym.figures.learning_figure import draw_learning_curve  # on use: the package stays light
+
+        card = self.card
+        columns = learning_columns(card)
+        title = f"{card.environment_id}, {card.algorithm}, action mode {card.action_mode}, seed {card.seed}"
+        return draw_learning_curve(title, columns["simulated_seconds"], columns["score"])
 
     @property
     def environment_keywords(self) -> dict[str, Keyword]:

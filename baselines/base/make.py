@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.baselines.base.described import Origin
 from prp_gym.baselines.base.gains import Gains, GainSet, other_sets, read_gains, takes_target_impedance
 from prp_gym.baselines.base.policy import Baseline, ControlInterface
 from prp_gym.baselines.base.settings import Settings
@@ -73,9 +74,11 @@ def make_controller(
         _require_frequency(spec, chosen, 1.0 / interface.period, other_sets(spec, gains))
     settings = _make_settings(spec, chosen, given, overrides)
     try:
-        return spec.policy(interface, settings)
+        made: Baseline[Any] = spec.policy(interface, settings)
     except MissingFieldError as error:  # by the name that its user knows
         raise MissingFieldError(spec.name, error.missing, error.available) from None
+    made.origin = Origin(spec.name, chosen.label, tuple(overrides))
+    return made
 
 
 def _require_frequency(spec: ControllerSpec, chosen: GainSet, frequency: float, others: str) -> None:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Generic, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.baselines.base.described import DescribedController, Origin
 from prp_gym.baselines.base.references import (
     OFFSET_FIELDS,
     REFERENCE_FIELDS,
@@ -128,7 +129,7 @@ def _attribute(env: Any, name: str) -> Any:
 SettingsT = TypeVar("SettingsT", bound=Settings)
 
 
-class Baseline(ABC, Generic[SettingsT]):
+class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
     """A controller of one environment, or of many of them at once.
 
     The state of a stateful controller (integrals, estimates) is a tuple of arrays with the leading dimensions
@@ -170,6 +171,7 @@ class Baseline(ABC, Generic[SettingsT]):
         sizes = {"joint": self.model.joint_count, "pose": 6, "parameter": parameters}
         self.settings = settings.sized(sizes)
         self.references = _references(interface.layout, self.model)
+        self.origin = Origin(type(self).__name__)
 
     @classmethod
     def missing_fields(cls, layout: ObservationLayout) -> list[str]:

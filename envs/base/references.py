@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.drawing.overlay import Ball, OverlayItem, Path
-from prp_gym.drawing.palette import REFERENCE, rgba
+from prp_gym.palette import REFERENCE, rgba
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.fields import DESIRED_FORCE, JOINT_REFERENCE_FIELDS, POSE_REFERENCE_FIELDS, Field

@@ -1,6 +1,5 @@
 """The command `prp-gym audit`."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -10,28 +9,40 @@ from prp_gym.cli.options import (
     Environments,
     Episodes,
     Json,
-    Output,
     ParallelWorkers,
     Plugins,
     Quiet,
     Resume,
+    RunName,
+    RunOutput,
     Scenarios,
     Seed,
+    TableFormat,
 )
 from prp_gym.comparison.agents import find_agents
-from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, Audit, audit_rewards
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, audit_rewards
 from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
 from prp_gym.comparison.audit_table import audit_table, unaware_table
 from prp_gym.comparison.values import group_conditions
 from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.runs.choice import GainsChoice
-from prp_gym.runs.job import Record
+from prp_gym.runs.job import Record, describe_jobs
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
 from prp_gym.runs.workers import Workers
+from prp_gym.tables.formats import TERMINAL
 
 _DEFAULT_SCENARIOS = ["realistic"]
+_NOTE = (
+    "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
+    f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}; its 95 % interval is "
+    "over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
+    "that does not settle counts as the worst by every criterion. γ has to exceed "
+    f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
+    "criterion. Energies are shown for information."
+)
 
 
 def audit_command(
@@ -42,7 +53,9 @@ def audit_command(
     draws: Annotated[
         int, typer.Option(help="Random gains in all for the controllers intended for an environment.", min=1)
     ] = 30,
-    output: Output = Path("audit"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     resume: Resume = True,
@@ -59,17 +72,18 @@ def audit_command(
     workers = Workers(jobs, backend)
     selected = Selection.of(env or [], scenario, [], GainsChoice())
     check_protocol(episodes, seed)
-    terminal = Terminal(quiet, as_json)
+    terminal = Terminal.of(quiet, as_json, form)
     with terminal.progress("trying out the controllers"):
         listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
-    run = Run(output, workers, selected.controllers, not resume, terminal)
-    with run.hold(listed):
+    folder = ResultFolder.choose("audit", output, name, describe_jobs(listed), goes_on=resume)
+    run = Run(folder.path, workers, selected.controllers, not resume, terminal)
+    with run.hold(listed), folder.in_use():
         records = run.records(listed, "auditing")
         with terminal.progress("correlating scores with criteria"):
             audits = audit_rewards(group_conditions(map(_single, records)), seed)
         content = run.write(listed, records, {"audits": [item.to_plain() for item in audits]})
-    terminal.document(content)
-    _show(audits, run)
+    tables = (audit_table(audits), unaware_table(audits, list(UNAWARE)))
+    terminal.report(content, tables, [_NOTE], [f"results: {run.results}"])
     if not all(item.holds for item in audits):
         raise typer.Exit(1)
 
@@ -79,17 +93,3 @@ def _single(record: Record) -> dict[str, Any]:
     if record["training_seed"] < 0:
         return record
     return {**record, "policy": f"{record['policy']} seed {record['training_seed']}"}
-
-
-def _show(audits: list[Audit], run: Run) -> None:
-    """Print the tables, with notes that explain them."""
-    run.terminal.show(audit_table(audits), unaware_table(audits, list(UNAWARE)))
-    run.terminal.explain(
-        "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
-        f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}; its 95 % interval is "
-        "over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
-        "that does not settle counts as the worst by every criterion. γ has to exceed "
-        f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
-        "criterion. Energies are shown for information."
-    )
-    run.terminal.show(f"results: {run.results}")

@@ -1,24 +1,27 @@
 """The command `prp-gym compare`."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
-from prp_gym.artifacts import write_file
 from prp_gym.cli.options import (
     AgentPaths,
     Backend,
     ControllerNames,
     Environments,
     Episodes,
+    FigureFormat,
     Gains,
     Json,
-    Output,
     ParallelWorkers,
     Plugins,
     Quiet,
     Resume,
+    RunName,
+    RunOutput,
     Scenarios,
     Seed,
     Settings,
+    TableFormat,
 )
 from prp_gym.comparison.agents import find_agents
 from prp_gym.comparison.learning_plots import draw_learning
@@ -36,10 +39,15 @@ from prp_gym.comparison.table import (
 from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
 from prp_gym.evaluation.table import SCORE_NOTE
+from prp_gym.figures.figure_file import write_figure
 from prp_gym.runs.choice import TUNED, GainsChoice
+from prp_gym.runs.job import describe_jobs
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import ResultTable
+from prp_gym.tables.formats import TERMINAL
 
 _DEFAULT_SCENARIOS = ["randomized", "realistic"]
 
@@ -53,7 +61,10 @@ def compare_command(
     seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    output: Output = Path("comparison"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
+    figure_format: FigureFormat = "png",
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     resume: Resume = True,
@@ -71,22 +82,22 @@ def compare_command(
     selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
     agents = find_agents(selected.environment_ids, agent or [])
-    terminal = Terminal(quiet, as_json)
+    terminal = Terminal.of(quiet, as_json, form)
     with terminal.progress("trying out the controllers"):
         listed = list_comparison_jobs(selected, agents, episodes, seed)
     selected.check_used(listed)
-    run = Run(output, workers, selected.controllers, not resume, terminal)
-    with run.hold(listed):
+    folder = ResultFolder.choose("compare", output, name, describe_jobs(listed), goes_on=resume)
+    run = Run(folder.path, workers, selected.controllers, not resume, terminal)
+    with run.hold(listed), folder.in_use():
         records = run.records(listed, "comparing")
         with terminal.progress("computing the statistics and drawing the figures"):
             outcome = Outcome.of(records, seed)
-            _draw(outcome, output)
+            _draw(outcome, folder.path, figure_format)
         content = run.write(listed, records, outcome.to_plain())
-    terminal.document(content)
-    _show(outcome, run)
+    terminal.report(content, list(_tables(outcome)), _notes(outcome, run), [f"results: {run.results}"])
 
 
-def _draw(outcome: Outcome, folder: Path) -> None:
+def _draw(outcome: Outcome, folder: Path, kind: str) -> None:
     """Write the figures."""
     figures = {
         "profiles": draw_profiles(outcome.aggregates),
@@ -96,38 +107,40 @@ def _draw(outcome: Outcome, folder: Path) -> None:
     if outcome.learned:
         figures["learning"] = draw_learning(outcome.conditions)
     for name, figure in figures.items():
-        write_file(folder / f"{name}.png", figure)
+        write_figure(folder / f"{name}.{kind}", figure)
 
 
-def _show(outcome: Outcome, run: Run) -> None:
-    """Print the tables, with notes that explain them."""
-    terminal = run.terminal
+def _tables(outcome: Outcome) -> Iterator[ResultTable]:
+    """The tables of a comparison, as far as it has what they show."""
     for condition in outcome.conditions:
-        terminal.show(condition_scores(condition, outcome.seed), condition_table(condition, outcome.seed))
-    notes = [
+        yield condition_scores(condition, outcome.seed)
+        yield condition_table(condition, outcome.seed)
+    if outcome.spread:
+        yield spread_table(outcome.conditions)
+    if outcome.pairwise_comparisons:
+        yield pairwise_table(outcome.pairwise_comparisons)
+    if outcome.aggregates:
+        yield aggregate_table(outcome.aggregates)
+    if outcome.efforts:
+        yield effort_table(outcome.efforts)
+
+
+def _notes(outcome: Outcome, run: Run) -> Iterator[str]:
+    """What explains the tables."""
+    yield (
         "score: mean over episodes, and training seeds, of the mean reward of a step, 1 is perfect; its 95 % "
         f"interval is over both. {SCORE_NOTE}"
-    ]
-    if outcome.spread:
-        terminal.show(spread_table(outcome.conditions))
+    )
     if outcome.pairwise_comparisons:
-        terminal.show(pairwise_table(outcome.pairwise_comparisons))
-        notes.append(
+        yield (
             "better: the policy whose score is higher by a paired difference whose interval does not contain "
             "0; disjoint intervals: whether those of the two scores do not overlap, which is stricter. The "
             "best policies are chosen on the same episodes."
         )
-    if outcome.aggregates:
-        terminal.show(aggregate_table(outcome.aggregates))
     if outcome.efforts:
-        terminal.show(effort_table(outcome.efforts))
-        notes.append(
+        yield (
             "learning effort: medians over training seeds, from the mean scores that training or tuning "
             "itself has measured, in the scenario named; violations: in the whole training."
         )
     if run.busy:
-        notes.append(
-            "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."
-        )
-    terminal.explain(*notes)
-    terminal.show(f"results: {run.results}")
+        yield "compute time: per action, measured beside other work; for undisturbed times choose --jobs 1."

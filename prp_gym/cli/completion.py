@@ -66,6 +66,20 @@ def backends(incomplete: str) -> list[str]:
     return _starting(BACKENDS, incomplete)
 
 
+def table_formats(incomplete: str) -> list[str]:
+    """Names of the forms of tables that start with a text."""
+    from prp_gym.tables.formats import FORMATS
+
+    return _starting(FORMATS, incomplete)
+
+
+def figure_formats(incomplete: str) -> list[str]:
+    """Names of the kinds of figures that start with a text."""
+    from prp_gym.figures.figure_file import SUFFIXES
+
+    return _starting([suffix[1:] for suffix in SUFFIXES], incomplete)
+
+
 def learning_ids(incomplete: str) -> list[str]:
     """Ids of the environments and their learning presets that start with a text."""
     from prp_gym.tasks.presets import learning_id

@@ -1,10 +1,7 @@
 """The command `prp-gym evaluate`."""
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
-
-from rich.table import Table
 
 from prp_gym.cli.options import (
     Backend,
@@ -14,14 +11,16 @@ from prp_gym.cli.options import (
     Episodes,
     Gains,
     Json,
-    Output,
     ParallelWorkers,
     Plugins,
     Quiet,
     Resume,
+    RunName,
+    RunOutput,
     Scenarios,
     Seed,
     Settings,
+    TableFormat,
 )
 from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
@@ -30,11 +29,14 @@ from prp_gym.evaluation.table import SCORE_NOTE, Row, best_floor, evaluation_tab
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.evaluation_job import EvaluationJob, list_jobs
 from prp_gym.runs.floor_job import FloorJob, list_floors
-from prp_gym.runs.job import Record
+from prp_gym.runs.job import Record, describe_jobs
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
-from prp_gym.runs.terminal import make_matrix
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import ABSENT, Cell, ResultTable
+from prp_gym.tables.formats import TERMINAL
+from prp_gym.tables.matrix import matrix_table
 
 Conditions = list[tuple[str, str, list[Row]]]
 """Environment, scenario and rows of each condition."""
@@ -51,7 +53,9 @@ def evaluate_command(
     gains: Gains = TUNED,
     settings: Settings = None,
     control_frequency: ControlFrequency = 500.0,
-    output: Output = Path("results"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     resume: Resume = True,
@@ -68,7 +72,7 @@ def evaluate_command(
     chosen = GainsChoice.read(gains, settings or ())
     selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
-    terminal = Terminal(quiet, as_json)
+    terminal = Terminal.of(quiet, as_json, form)
     with terminal.progress("trying out the controllers"):
         listed = list_jobs(
             selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
@@ -76,26 +80,21 @@ def evaluate_command(
     selected.check_used(listed)
     floors = list_floors(selected.conditions, control_frequency, episodes, seed)
     jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
-    run = Run(output, workers, selected.controllers, not resume, terminal)
-    with run.hold(jobs_to_run):
+    folder = ResultFolder.choose("evaluate", output, name, describe_jobs(jobs_to_run), goes_on=resume)
+    run = Run(folder.path, workers, selected.controllers, not resume, terminal)
+    with run.hold(jobs_to_run), folder.in_use():
         records = run.records(jobs_to_run, "evaluating")
         conditions = _conditions(records)
         content = run.write(jobs_to_run, records, {"ranking": _ranking(conditions)})
-    terminal.document(content)
-    _show(conditions, run)
+    tables = [*_tables(conditions), *_scores(conditions)]
+    terminal.report(content, tables, _notes(run), [f"results: {run.results}"])
 
 
-def _show(conditions: Conditions, run: Run) -> None:
-    """Print the tables, with notes that explain them."""
-    run.terminal.show(*_tables(conditions), *_scores(conditions))
-    run.terminal.explain(
-        f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}"
-    )
+def _notes(run: Run) -> Iterator[str]:
+    """What explains the tables."""
+    yield f"score: mean over episodes of the mean reward of a step, 1 is perfect. {SCORE_NOTE}"
     if run.busy:
-        run.terminal.explain(
-            "compute time: measured beside other work; for undisturbed times choose --jobs 1."
-        )
-    run.terminal.show(f"results: {run.results}")
+        yield "compute time: measured beside other work; for undisturbed times choose --jobs 1."
 
 
 def _conditions(records: list[Record]) -> Conditions:
@@ -106,7 +105,7 @@ def _conditions(records: list[Record]) -> Conditions:
     return [(*key, own) for key, own in rows.items()]
 
 
-def _tables(conditions: Conditions) -> Iterator[Table]:
+def _tables(conditions: Conditions) -> Iterator[ResultTable]:
     """Two tables for each condition: scores and failures, and the medians of the metrics."""
     for environment_id, scenario, rows in conditions:
         title = f"{environment_id}, scenario {scenario}"
@@ -130,22 +129,25 @@ def _ranking(conditions: Conditions) -> list[dict[str, Any]]:
     ]
 
 
-def _scores(conditions: Conditions) -> list[Table]:
+def _scores(conditions: Conditions) -> list[ResultTable]:
     """The scores alone, a table for each scenario; none where there is one environment only."""
     ids = list(dict.fromkeys(environment_id for environment_id, _, _ in conditions))
     if len(ids) == 1:
         return []
     every = [row for _, _, rows in conditions for row in rows]
     names = list(dict.fromkeys(row.name for row in sorted(every, key=lambda row: row.floor)))
-    tables: list[Table] = []
+    tables = []
     for scenario in dict.fromkeys(scenario for _, scenario, _ in conditions):
         lines = [(own, _cells(names, rows)) for own, other, rows in conditions if other == scenario]
-        tables.append(make_matrix(f"score, scenario {scenario} (* best)", names, lines))
+        tables.append(matrix_table(f"score, scenario {scenario} (* best)", names, lines))
     return tables
 
 
-def _cells(names: list[str], rows: list[Row]) -> list[str]:
+def _cells(names: list[str], rows: list[Row]) -> list[Cell]:
     """The score of each name, with an asterisk at the best controller."""
     values = {row.name: row.score.value for row in rows}
     best = ranked(rows)[0].name
-    return [f"{values[name]:.3f}{'*' if name == best else ' '}" if name in values else "-" for name in names]
+    return [
+        Cell(f"{values[name]:.3f}{'*' if name == best else ' '}", values[name]) if name in values else ABSENT
+        for name in names
+    ]

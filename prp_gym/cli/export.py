@@ -42,7 +42,7 @@ def export_command(
     output: Output,
     algo: Algorithm = "ppo",
     normalizer: Annotated[
-        Path | None, typer.Option(help="Pickle of the model's VecNormalize. Default: none was used.")
+        Path | None, typer.Option(help="Pickle of the model's VecNormalize.", show_default="none was used")
     ] = None,
     scenario: Scenarios = _DEFAULT_SCENARIOS,
     action_mode: ActionMode = "torque",
@@ -82,9 +82,8 @@ def export_command(
     policy = export_agent(model, scale, facts)
     with closing(policy.make_env()), FolderLock(output.absolute().parent).hold():  # on which it can act
         tensors, card = save_agent(policy, output)
-    terminal = Terminal(as_json=as_json)
-    terminal.document({"tensors": str(tensors), "card": str(card)})
-    terminal.show(f"agent: {tensors} and {card}")
+    terminal = Terminal.of(quiet=False, as_json=as_json)
+    terminal.report({"tensors": str(tensors), "card": str(card)}, lines=[f"agent: {tensors} and {card}"])
 
 
 def _open(path: Path, algorithm: str, normalizer: Path | None) -> tuple[Any, Normalizer]:

@@ -5,22 +5,30 @@ from typing import Annotated
 
 import gymnasium
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from prp_gym.action_modes import ACTION_MODES, ANY_CONTROLLER, list_action_modes
 from prp_gym.agents.algorithms import ALGORITHMS
 from prp_gym.baselines import BASELINES
 from prp_gym.baselines.base.gains import gain_sets
-from prp_gym.cli.options import Json, Plugins
+from prp_gym.cli.options import (
+    Json,
+    Plugins,
+    TableFormat,
+)
 from prp_gym.console.terminal import Terminal
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.evaluation.metrics import METRICS
-from prp_gym.runs.terminal import make_matrix
+from prp_gym.tables import Cell, ResultTable
+from prp_gym.tables.column import prose_column, text_column
+from prp_gym.tables.formats import TERMINAL
+from prp_gym.tables.matrix import matrix_table
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.spec import TASKS
+
+_MATRIX = "controllers by environment"
+_NAMES = ("id", "controller", "scenario", "mode", "algorithm", "class", "metric")  # all other columns wrap
 
 Row = dict[str, str | list[str]]
 """One declaration: texts, or lists of them, by the headers of the table."""
@@ -38,15 +46,16 @@ def list_command(
     metrics: Annotated[
         bool, typer.Option("--metrics", help="Show the metrics with their units and definitions.")
     ] = False,
+    form: TableFormat = TERMINAL,
     as_json: Json = False,
     plugin: Plugins = None,
 ) -> None:
     """Show environments, controllers and scenarios, or what the options name."""
-    terminal = Terminal(as_json=as_json)
+    terminal = Terminal.of(quiet=False, as_json=as_json, form=form)
     layouts = _layouts() if matrix or modes or not (algorithms or metrics) else {}
     rows: dict[str, list[Row]] = {}
     if matrix:
-        rows["controllers by environment"] = _matrix(layouts)
+        rows[_MATRIX] = _matrix(layouts)
     if modes:
         rows["action modes"] = _modes(layouts)
     if algorithms:
@@ -56,13 +65,12 @@ def list_command(
     if not rows:
         rows = {"environments": _environments(layouts), "controllers": _controllers()}
         rows["scenarios"] = _scenarios()
-    terminal.document({title.replace(" ", "_"): found for title, found in rows.items()})
-    for title, found in rows.items():
-        terminal.show(
-            _matrix_table(title, found) if title == "controllers by environment" else _table(title, found)
-        )
-    if matrix:
-        terminal.show(*_reasons(layouts))
+    tables = [
+        _matrix_table(title, found) if title == _MATRIX else _table(title, found)
+        for title, found in rows.items()
+    ]
+    content = {title.replace(" ", "_"): found for title, found in rows.items()}
+    terminal.report(content, tables, _reasons(layouts) if matrix else ())
 
 
 def _layouts() -> dict[str, ObservationLayout]:
@@ -75,13 +83,13 @@ def _layouts() -> dict[str, ObservationLayout]:
     return layouts
 
 
-def _table(title: str, rows: Sequence[Row]) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
-    for index, header in enumerate(rows[0]):
-        table.add_column(header, overflow="fold", no_wrap=index == 0)
-    for row in rows:
-        table.add_row(*(", ".join(cell) if isinstance(cell, list) else cell for cell in row.values()))
-    return table
+def _table(title: str, rows: Sequence[Row]) -> ResultTable:
+    columns = [text_column(name) if name in _NAMES else prose_column(name) for name in rows[0]]
+    return ResultTable.of(title, columns, [[_cell(entry) for entry in row.values()] for row in rows])
+
+
+def _cell(entry: str | list[str]) -> Cell:
+    return Cell.of(entry) if isinstance(entry, str) else Cell(", ".join(entry), entry)
 
 
 def _environments(layouts: dict[str, ObservationLayout]) -> list[Row]:
@@ -152,12 +160,15 @@ def _matrix(layouts: dict[str, ObservationLayout]) -> list[Row]:
     ]
 
 
-def _matrix_table(title: str, rows: Sequence[Row]) -> Table:
+def _matrix_table(title: str, rows: Sequence[Row]) -> ResultTable:
     cells = (
-        (str(row["environment"]), ["yes" if name in row["controllers"] else "-" for name in BASELINES])
-        for row in rows
+        (str(row["environment"]), [_runs(name in row["controllers"]) for name in BASELINES]) for row in rows
     )
-    return make_matrix(title, BASELINES, cells)
+    return matrix_table(title, BASELINES, cells)
+
+
+def _runs(can: bool) -> Cell:
+    return Cell("yes" if can else "-", can)
 
 
 def _reasons(layouts: dict[str, ObservationLayout]) -> list[str]:

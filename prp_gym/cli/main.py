@@ -13,6 +13,7 @@ from prp_gym.cli.compare import compare_command
 from prp_gym.cli.evaluate import evaluate_command
 from prp_gym.cli.export import export_command
 from prp_gym.cli.listing import list_command
+from prp_gym.cli.plot import plot_command
 from prp_gym.cli.record import record_command
 from prp_gym.cli.reproduce import reproduce_command
 from prp_gym.cli.ship import ship_command
@@ -34,6 +35,7 @@ COMMANDS: Mapping[str, Callable[..., None]] = {
     "evaluate": evaluate_command,
     "export": export_command,
     "list": list_command,
+    "plot": plot_command,
     "record": record_command,
     "reproduce": reproduce_command,
     "ship": ship_command,

@@ -4,20 +4,34 @@ A command takes the type alias of an option, and its own default. Options of one
 may give another meaning, are declared beside that command.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from prp_gym.agents.algorithms import ALGORITHMS
+from prp_gym.checks import choice
 from prp_gym.cli import completion
 from prp_gym.errors import InvalidValueError
+from prp_gym.figures.figure_file import SUFFIXES
 from prp_gym.plugins import load_plugins
+from prp_gym.tables.formats import FORMATS, TERMINAL
+
+_KINDS = tuple(suffix[1:] for suffix in SUFFIXES)
 
 
 def _load(modules: list[str] | None) -> list[str] | None:
     load_plugins(modules or [])
     return modules
+
+
+def _check_format(value: str) -> str:
+    return choice("--format", value, FORMATS)
+
+
+def _check_figure_format(value: str) -> str:
+    return choice("--figure-format", value, _KINDS)
 
 
 def _env(default: str | bool) -> Any:
@@ -41,6 +55,15 @@ def _baseline(default: str | bool) -> Any:
     )
 
 
+def _output(default: str | bool) -> Any:
+    return typer.Option(
+        "--output",
+        "-o",
+        help="Path to which the command writes: a folder, or a file where it writes one; used as it is.",
+        show_default=default,
+    )
+
+
 _GAINS: Any = typer.Option(
     "--gains",
     "-g",
@@ -60,9 +83,6 @@ _ACTION_MODE: Any = typer.Option(
     show_default="that of the shipped agents, or of the recipes of --config",
     autocompletion=completion.action_modes,
 )
-_OUTPUT: Any = typer.Option(
-    "--output", "-o", help="Path to which the command writes: a folder, or a file where it writes one."
-)
 _SEED: Any = typer.Option(
     "--seed", help="Random seed: of the first episode, of a search, or of the training that was done."
 )
@@ -77,6 +97,9 @@ Plugins = Annotated[
         callback=_load,
         is_eager=True,  # names that a plugin declares may stand in other options
     ),
+]
+EnvironmentArgument = Annotated[
+    str, typer.Argument(help="Environment id.", autocompletion=completion.environments)
 ]
 Environments = Annotated[list[str] | None, _env("all")]
 OneEnvironment = Annotated[list[str], _env(False)]
@@ -96,7 +119,8 @@ AgentPaths = Annotated[
     typer.Option(
         "--agent",
         "-a",
-        help="Additional agent: its file, or a folder with one file for each training seed; repeatable.",
+        help="Agent: the path of its files, or its name if it comes with the suite. Repeatable where a "
+        "command takes several; these are paths, also of a folder with one agent for each training seed.",
     ),
 ]
 Episodes = Annotated[
@@ -118,8 +142,15 @@ Settings = Annotated[
 ControlFrequency = Annotated[float, _CONTROL_FREQUENCY]
 KnownControlFrequency = Annotated[float | None, _CONTROL_FREQUENCY]
 Budget = Annotated[int | None, _BUDGET]
-Output = Annotated[Path, _OUTPUT]
-OutputOfPackage = Annotated[Path | None, _OUTPUT]
+Output = Annotated[Path, _output(True)]
+RunOutput = Annotated[Path | None, _output("results/<command>/<date and time>")]
+OutputOfPackage = Annotated[Path | None, _output("that of the package")]
+RunName = Annotated[
+    str,
+    typer.Option(
+        "--name", help="Name that is added to the date and time of the default folder.", show_default=False
+    ),
+]
 ParallelWorkers = Annotated[
     int,
     typer.Option(
@@ -141,7 +172,7 @@ Resume = Annotated[
     bool,
     typer.Option(
         "--resume/--fresh",
-        help="Go on with what an interrupted run of the same command has kept, or remove it and start over.",
+        help="Go on with what an interrupted run of the same command has kept, or start over.",
     ),
 ]
 Quiet = Annotated[
@@ -149,7 +180,31 @@ Quiet = Annotated[
 ]
 Json = Annotated[
     bool,
-    typer.Option("--json", help="Write the results as one JSON document.", show_default=False),
+    typer.Option(
+        "--json",
+        help="Write the results, with the tables if there are any, as one JSON document.",
+        show_default=False,
+    ),
+]
+TableFormat = Annotated[
+    str,
+    typer.Option(
+        "--format",
+        "-f",
+        help=f"Form of the tables: {', '.join(FORMATS)}. With any but {TERMINAL}, they alone go to standard "
+        "output; json is the same as --json.",
+        callback=_check_format,
+        autocompletion=completion.table_formats,
+    ),
+]
+FigureFormat = Annotated[
+    str,
+    typer.Option(
+        "--figure-format",
+        help=f"Kind of the figures: {', '.join(_KINDS)}; the last two are vector graphics, for papers.",
+        callback=_check_figure_format,
+        autocompletion=completion.figure_formats,
+    ),
 ]
 Algorithm = Annotated[
     str,
@@ -174,7 +229,7 @@ Manifest = Annotated[
 ]
 
 
-def only(option: str, values: list[str] | None) -> str:
+def only(option: str, values: Sequence[str] | None) -> str:
     """The value of an option that a command takes once.
 
     Args:
@@ -184,7 +239,23 @@ def only(option: str, values: list[str] | None) -> str:
     Raises:
         InvalidValueError: none or several.
     """
+    given = at_most_one(option, values)
+    if given is None:
+        raise InvalidValueError(option, [], "exactly one for this command")
+    return given
+
+
+def at_most_one(option: str, values: Sequence[str] | None) -> str | None:
+    """The value of an option that a command takes once or not at all.
+
+    Args:
+        option: name of the option, for the message.
+        values: what was given.
+
+    Raises:
+        InvalidValueError: several.
+    """
     given = list(dict.fromkeys(values or []))
-    if len(given) != 1:
+    if len(given) > 1:
         raise InvalidValueError(option, given, "exactly one for this command")
-    return given[0]
+    return given[0] if given else None

@@ -7,7 +7,15 @@ from typing import Annotated
 
 import typer
 
-from prp_gym.cli.options import Json, Output, Plugins, Quiet
+from prp_gym.cli.options import (
+    FigureFormat,
+    Json,
+    Plugins,
+    Quiet,
+    RunName,
+    RunOutput,
+    TableFormat,
+)
 from prp_gym.console.activity import Activity
 from prp_gym.console.terminal import Terminal
 from prp_gym.files.file_reader import RECORD_SIZE, FileReader
@@ -16,9 +24,11 @@ from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.reproduction.catalogue import Catalogue, load_catalogue
 from prp_gym.reproduction.experiment import Experiment
 from prp_gym.reproduction.outcome import FigureOutcome, fill, judge
-from prp_gym.reproduction.report import SUMMARY, write_figure, write_index, write_summary
+from prp_gym.reproduction.report import SUMMARY, write_data, write_index, write_summary
 from prp_gym.reproduction.run import RecordedRun, check_names, record_run
 from prp_gym.reproduction.table import answers_table, verdict_table
+from prp_gym.runs.result_folder import ResultFolder
+from prp_gym.tables.formats import TERMINAL
 
 _FAILED = 1
 
@@ -27,7 +37,10 @@ def reproduce_command(
     figure: Annotated[
         list[int] | None, typer.Option(help="Number of a figure; repeatable.", show_default="all")
     ] = None,
-    output: Output = Path("results/reproduction"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
+    figure_format: FigureFormat = "png",
     quiet: Quiet = False,
     as_json: Json = False,
     plugin: Plugins = None,
@@ -39,25 +52,25 @@ def reproduce_command(
     catalogue = load_catalogue()
     chosen = catalogue.choose(figure or [])
     for experiment in chosen:
-        for name in experiment.runs:
-            check_names(catalogue.runs[name])
-    terminal = Terminal(quiet, as_json)
-    with FolderLock(output).hold():
-        outcomes = _reproduce(chosen, catalogue, output, terminal)
+        for run in experiment.runs:
+            check_names(catalogue.runs[run])
+    terminal = Terminal.of(quiet, as_json, form)
+    folder = ResultFolder.choose("reproduce", output, name, sorted(figure or []), goes_on=False)
+    with FolderLock(folder.path).hold(), folder.in_use():
+        outcomes = _reproduce(chosen, catalogue, folder.path, figure_format, terminal)
         answers = fill(catalogue.answers, outcomes)
         command = shlex.join(["prp-gym", *sys.argv[1:]])
-        write_summary(output, outcomes, answers, command)
-        write_index(output, outcomes, answers, command)
-    if as_json:
-        terminal.document(FileReader(RECORD_SIZE).read_json(output / SUMMARY))
-    terminal.show(verdict_table(outcomes), answers_table(answers))
-    terminal.show(f"figures, tables and explanations: {output / 'index.md'}")
+        write_summary(folder.path, outcomes, answers, command)
+        write_index(folder.path, outcomes, answers, command, figure_format)
+    content = FileReader(RECORD_SIZE).read_json(folder.path / SUMMARY)
+    place = f"figures, tables and explanations: {folder.path / 'index.md'}"
+    terminal.report(content, [verdict_table(outcomes), answers_table(answers)], lines=[place])
     if any(verdict.word == "FAIL" for outcome in outcomes for verdict in outcome.verdicts):
         raise typer.Exit(_FAILED)
 
 
 def _reproduce(
-    chosen: list[Experiment], catalogue: Catalogue, output: Path, terminal: Terminal
+    chosen: list[Experiment], catalogue: Catalogue, output: Path, kind: str, terminal: Terminal
 ) -> list[FigureOutcome]:
     """Simulate every run once, judge and draw every figure."""
     names = list(dict.fromkeys(name for experiment in chosen for name in experiment.runs))
@@ -79,7 +92,7 @@ def _reproduce(
         for experiment in chosen:
             progress.run([Activity(f"figure {experiment.number}")])
             outcome = judge(experiment, recorded)
-            write_figure(output, outcome)
+            write_data(output, outcome, kind)
             outcomes.append(outcome)
             progress.advance(1)
     return outcomes

@@ -8,8 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 import typer
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from prp_gym.agents.policy.agent_card import Score
 from prp_gym.agents.policy.agent_file import CARD, TENSORS, load_agent, save_agent
@@ -29,6 +27,7 @@ from prp_gym.cli.options import (
     Quiet,
     RecipeFile,
     Seed,
+    TableFormat,
 )
 from prp_gym.console.activity import Activity
 from prp_gym.console.terminal import Terminal
@@ -38,14 +37,24 @@ from prp_gym.evaluation.evaluate import check_protocol, evaluate
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.processes.leftovers import remove_leftovers
+from prp_gym.runs.result_folder import latest_folder
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import text_column
+from prp_gym.tables.formats import TERMINAL
+
+_NAME_WIDTH = 44
+_NOTE = "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
 
 SCENARIOS = ("randomized", "realistic")
 """Scenarios in which shipped agents are scored, besides that of their training."""
 
 
 def ship_command(
-    runs: Annotated[Path, typer.Option(help="Folder of the runs.")] = Path("runs"),
+    runs: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the runs.", show_default="that of the latest prp-gym train"),
+    ] = None,
     output: Output = Path("agents/trained"),
     manifest: Manifest = None,
     config: RecipeFile = None,
@@ -56,6 +65,7 @@ def ship_command(
     allow_missing: Annotated[
         bool, typer.Option("--allow-missing", help="Leave out what is not trained yet.")
     ] = False,
+    form: TableFormat = TERMINAL,
     quiet: Quiet = False,
     as_json: Json = False,
     plugin: Plugins = None,
@@ -68,8 +78,9 @@ def ship_command(
     workers = Workers(jobs, backend)
     check_protocol(episodes, seed)
     recipes = [(group.recipe(config), group.seeds) for group in read_groups(manifest)]
+    trained = latest_folder("train") if runs is None else runs
     wanted = [
-        Candidate.of(recipe, number, runs, output, episodes, seed)
+        Candidate.of(recipe, number, trained, output, episodes, seed)
         for recipe, count in recipes
         for number in range(count)
     ]
@@ -81,10 +92,11 @@ def ship_command(
         )
     for candidate in ready:
         candidate.check()
-    terminal = Terminal(quiet, as_json)
+    terminal = Terminal.of(quiet, as_json, form)
     with FolderLock(output).hold():
         changed = _ship(ready, workers, terminal)
-        _show(ready, changed, terminal)
+        rows = [_row(candidate, candidate in changed) for candidate in ready]
+        terminal.report({"agents": rows}, [_table(rows)], [_NOTE])
     _tell("not trained yet, left out", missing, terminal)
     _tell("not in the list, left as they are", _leftovers(output, wanted), terminal)
 
@@ -236,23 +248,29 @@ def _tell(what: str, names: Sequence[str], terminal: Terminal) -> None:
             terminal.warn(line)
 
 
-def _show(candidates: Sequence[Candidate], changed: Sequence[Candidate], terminal: Terminal) -> None:
-    """Print the agents' scores, one line for each agent."""
-    rows: list[dict[str, Any]] = []
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column("agent")
-    for header in (*SCENARIOS, "files"):
-        table.add_column(header, justify="right")
-    for candidate in candidates:
-        scores = load_agent(candidate.target).card.scores
-        cells = [
-            f"{scores[name].value:.3f} [{scores[name].low:.3f}, {scores[name].high:.3f}]"
-            for name in SCENARIOS
-        ]
-        table.add_row(candidate.name, *cells, "written" if candidate in changed else "as before")
-        rows.append({"agent": candidate.name, "scores": scores, "written": candidate in changed})
-    terminal.document({"agents": rows})
-    terminal.show(table)
-    terminal.explain(
-        "score: mean over episodes of the mean reward of a step with its 95 % interval, 1 is perfect."
+def _row(candidate: Candidate, written: bool) -> dict[str, Any]:
+    """An agent with its scores by scenario, and whether its files were written."""
+    return {"agent": candidate.name, "scores": load_agent(candidate.target).card.scores, "written": written}
+
+
+def _table(rows: Sequence[dict[str, Any]]) -> ResultTable:
+    """The agents' scores, one line for each agent."""
+    columns = (
+        text_column("agent", _NAME_WIDTH),
+        *(TableColumn(f"score, {name}", parts=("mean", "low", "high")) for name in SCENARIOS),
+        text_column("files"),
     )
+    cells = (
+        (
+            row["agent"],
+            *(_score_cell(row["scores"][name]) for name in SCENARIOS),
+            "written" if row["written"] else "as before",
+        )
+        for row in rows
+    )
+    return ResultTable.of("agents", columns, cells)
+
+
+def _score_cell(score: Score) -> Cell:
+    text = f"{score.value:.3f} [{score.low:.3f}, {score.high:.3f}]"
+    return Cell(text, (score.value, score.low, score.high))

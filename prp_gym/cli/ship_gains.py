@@ -13,13 +13,17 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.processes.folder_lock import FolderLock
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.evaluation_job import make_environment
+from prp_gym.runs.result_folder import latest_folder
 from prp_gym.runs.search import RESULT
 from prp_gym.runs.shipped_gains import Shipped, searches_folder, ship_result
 from prp_gym.tuning.tuned_controller import TunedController, load_tuned_controller
 
 
 def ship_gains_command(
-    searches: Annotated[Path, typer.Option(help="Folder of the searches.")] = Path("tuning"),
+    searches: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the searches.", show_default="that of the latest prp-gym tune-all"),
+    ] = None,
     output: OutputOfPackage = None,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -31,13 +35,14 @@ def ship_gains_command(
     written into the data files of the controllers, each with the search that found it and its validation.
     Where a search found nothing better than its start, the gains stay as they are.
     """
-    results = sorted(searches.glob(f"*/{RESULT}"))
+    given = latest_folder("tune-all") if searches is None else searches
+    results = sorted(given.glob(f"*/{RESULT}"))
     if not results:
-        raise InvalidValueError("--searches", str(searches), f"a folder of searches, each with a {RESULT}")
+        raise InvalidValueError("--searches", str(given), f"a folder of searches, each with a {RESULT}")
     for path in results:
         load_tuned_controller(path)  # so that a damaged one is refused before anything is written
     folder = searches_folder() if output is None else output
-    terminal = Terminal(quiet, as_json)
+    terminal = Terminal.of(quiet, as_json)
     kept: list[str] = []
     rows: list[dict[str, Any]] = []
     with (
@@ -56,8 +61,8 @@ def ship_gains_command(
             rows.append(_row(found, shipped))
             kept.append(name)
             progress.advance(1)
-    terminal.document({"records": str(folder), "searches": rows})
-    terminal.show(*map(_line, rows), f"records: {folder}")
+    lines = [*map(_line, rows), f"records: {folder}"]
+    terminal.report({"records": str(folder), "searches": rows}, lines=lines)
 
 
 def _row(found: TunedController, shipped: Shipped) -> dict[str, Any]:

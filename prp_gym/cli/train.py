@@ -1,7 +1,7 @@
 """The command `prp-gym train`."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -12,6 +12,7 @@ import typer
 
 from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import default_action_mode, read_groups
+from prp_gym.artifacts import to_plain
 from prp_gym.cli import completion
 from prp_gym.cli.options import (
     Algorithm,
@@ -19,24 +20,30 @@ from prp_gym.cli.options import (
     DefaultActionMode,
     Json,
     Manifest,
-    Output,
     ParallelWorkers,
     Plugins,
     Quiet,
     RecipeFile,
     Resume,
+    RunName,
+    RunOutput,
     Settings,
+    TableFormat,
 )
-from prp_gym.cli.training_progress import show_results, train_seeds
+from prp_gym.cli.training_progress import Result, results_table, train_seeds
 from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
 from prp_gym.extras import check
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import ResultTable
+from prp_gym.tables.formats import TERMINAL
 
 if TYPE_CHECKING:
     from prp_gym.agents.training.train import TrainingJob
 
 _EVALUATIONS, _EVALUATIONS_SHIPPED = 10, 20
+_NOTE = "score: mean reward over held-out episodes, 1 is perfect."
 _OF_ONE_GROUP = ("algo", "action_mode", "seeds", "first_seed")
 
 
@@ -62,7 +69,9 @@ def train_command(
     first_seed: Annotated[int, typer.Option(help="First training seed.")] = 0,
     config: RecipeFile = None,
     settings: Settings = None,
-    output: Output = Path("runs"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     eval_every: Annotated[
         int,
         typer.Option(help="Steps between evaluations; 0: a tenth of all steps, with --shipped a twentieth."),
@@ -101,16 +110,27 @@ def train_command(
     logged = not shipped if tensorboard is None else tensorboard
     if logged:
         check("tensorboard")
+    evaluations = _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes)
+    terminal = Terminal.of(quiet, as_json, form)
+    folder = ResultFolder.choose("train", output, name, _describe(groups, evaluations), goes_on=resume)
     runs = _Runs(
-        output.resolve(),
-        _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes),
+        folder.path.resolve(),
+        evaluations,
         checkpoint_every,
         "resume" if resume else "fresh",
         logged,
         _recipe_options(config, overrides),
     )
     listed = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]
-    _train(listed, workers, Terminal(quiet, as_json))
+    every = [job for jobs in listed for job in jobs]
+    with folder.in_use():
+        results = train_seeds(every, workers, terminal)
+    content = [{"folder": str(job.folder), **result} for job, result in zip(every, results, strict=True)]
+    folders = dict.fromkeys(job.folder.parent for job in every)
+    terminal.report(
+        *({"runs": content}, list(_tables(listed, results)), [_NOTE]),
+        lines=[f"runs: {folder}" for folder in folders],
+    )
 
 
 @dataclass(frozen=True)
@@ -186,17 +206,21 @@ def _recipe_options(config: Path | None, overrides: Sequence[str]) -> tuple[str,
     return (*chosen, *(part for text in overrides for part in ("--set", text)))
 
 
-def _train(groups: Sequence[Sequence["TrainingJob"]], workers: Workers, terminal: Terminal) -> None:
-    """Train the seeds of all groups, and print what came out."""
-    every = [job for jobs in groups for job in jobs]
-    results = train_seeds(every, workers, terminal)
-    runs = [{"folder": str(job.folder), **result} for job, result in zip(every, results, strict=True)]
-    terminal.document({"runs": runs})
+def _tables(groups: Sequence[Sequence["TrainingJob"]], results: Sequence[Result]) -> Iterator[ResultTable]:
+    """A table for each recipe.
+
+    Args:
+        groups: training jobs of each recipe.
+        results: results of all jobs in their order.
+    """
     remaining = iter(results)
     for jobs in groups:
-        show_results(jobs, list(islice(remaining, len(jobs))), terminal)
-    terminal.explain("score: mean reward over held-out episodes, 1 is perfect.")
-    terminal.show(*(f"runs: {folder}" for folder in dict.fromkeys(job.folder.parent for job in every)))
+        yield results_table(jobs, list(islice(remaining, len(jobs))))
+
+
+def _describe(groups: Sequence[tuple[Recipe, range]], evaluations: _Evaluations) -> list[Any]:
+    """All that the results of a training depend on, as plain values."""
+    return [[to_plain(recipe), list(seeds), to_plain(evaluations)] for recipe, seeds in groups]
 
 
 def _check_choice(context: typer.Context, env_id: str | None, shipped: bool, manifest: Path | None) -> None:

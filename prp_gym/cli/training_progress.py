@@ -5,14 +5,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
-
 from prp_gym.console.activity import Activity
 from prp_gym.console.progress import Progress
 from prp_gym.console.terminal import Terminal
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import Cell, ResultTable, TableColumn
 
 if TYPE_CHECKING:
     from prp_gym.agents.training.train import TrainingJob
@@ -124,21 +122,26 @@ def _watched(jobs: Sequence["TrainingJob"], progress: Progress) -> Iterator[None
         watcher.join()
 
 
-def show_results(jobs: Sequence["TrainingJob"], results: Sequence[Result], terminal: Terminal) -> None:
-    """Print the results of one recipe, with one line for each training seed.
+def results_table(jobs: Sequence["TrainingJob"], results: Sequence[Result]) -> ResultTable:
+    """The results of one recipe, with one line for each training seed.
 
     Args:
         jobs: training jobs of the recipe, in the order of their seeds.
         results: results of the jobs, in the same order.
-        terminal: terminal to which they are written.
     """
     recipe = jobs[0].recipe
     title = f"{recipe.environment_id}, {recipe.algorithm}, action mode {recipe.action_mode}"
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 2, 0, 0))
-    for header in ("seed", "best score", "at step", "last score", "steps", "minutes"):
-        table.add_column(header, justify="right")
-    for job, result in zip(jobs, results, strict=True):
-        best = result["best"]
-        numbers = (f"{best['score']:.3f}", str(best["steps"]), f"{result['last_score']:.3f}")
-        table.add_row(str(job.seed), *numbers, str(result["steps"]), f"{result['seconds'] / 60:.1f}")
-    terminal.show(title, table)
+    columns = (
+        *(TableColumn("seed"), TableColumn("best score"), TableColumn("step of the best score")),
+        *(TableColumn("last score"), TableColumn("steps"), TableColumn("time", ("min",))),
+    )
+    return ResultTable.of(title, columns, [_row(job, own) for job, own in zip(jobs, results, strict=True)])
+
+
+def _row(job: "TrainingJob", result: Result) -> tuple[Cell, ...]:
+    best = result["best"]
+    return (
+        *(Cell.of(job.seed), Cell.number(best["score"]), Cell.of(best["steps"])),
+        *(Cell.number(result["last_score"]), Cell.of(result["steps"])),
+        Cell.number(result["seconds"] / 60.0, ".1f"),
+    )

@@ -3,14 +3,12 @@
 import math
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from fractions import Fraction
-from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 import prp_gym
 from prp_gym.cli import completion
@@ -21,14 +19,16 @@ from prp_gym.cli.options import (
     Json,
     OneController,
     OneEnvironment,
-    Output,
     Plugins,
     Quiet,
     Resume,
+    RunName,
+    RunOutput,
     Scenarios,
     Seed,
     Settings,
     StartGains,
+    TableFormat,
     only,
 )
 from prp_gym.console.activity import Activity
@@ -36,10 +36,14 @@ from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search import RESULT, Search
 from prp_gym.runs.search_plan import EPISODES, SCENARIOS
 from prp_gym.runs.selection import check_names
 from prp_gym.runs.tuning_candidates import choose_controller, with_start_gains
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import text_column
+from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
@@ -72,7 +76,9 @@ def tune_command(
     seed: Seed = 0,
     gains: StartGains = None,
     settings: Settings = None,
-    output: Output = Path("tuning"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     resume: Resume = True,
     quiet: Quiet = False,
     as_json: Json = False,
@@ -87,16 +93,18 @@ def tune_command(
     """
     (environment_id,) = check_names("environment", [only("--env", env)], list_envs())
     steps = _budget(budget, like, control_frequency)
-    name = _one_name(controller, baseline or [])
-    choice, controllers = choose_controller(name, GainsChoice.read(gains or TUNED, settings or ()))
+    chosen = _one_name(controller, baseline or [])
+    choice, controllers = choose_controller(chosen, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
         choice = with_start_gains(choice, controllers, environment_id, control_frequency)
     task = TuningTask(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes, seed)
-    search = Search(task, choice, output, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
-    terminal = Terminal(quiet, as_json)
-    result = _run(search, controllers, terminal)
-    terminal.document(asdict(result))
-    _show(result, search.folder / RESULT, terminal)
+    terminal = Terminal.of(quiet, as_json, form)
+    folder = ResultFolder.choose("tune", output, name, [asdict(task), asdict(choice)], goes_on=resume)
+    search = Search(task, choice, folder.path, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
+    with folder.in_use():
+        result = _run(search, controllers, terminal)
+    lines = [*_findings(result), f"result: {search.folder / RESULT}"]
+    terminal.report(asdict(result), [_table(result)], _notes(result), lines)
 
 
 def _one_name(controller: str | None, baseline: Sequence[str]) -> str:
@@ -146,27 +154,34 @@ def _run(search: Search, controllers: Controllers, terminal: Terminal) -> TunedC
         )
 
 
-def _show(result: TunedController, target: Path, terminal: Terminal) -> None:
-    """Print the scores before and after."""
+def _table(result: TunedController) -> ResultTable:
+    """The scores before and after."""
     scenarios = " and ".join(result.scenarios)
     title = f"{result.controller} on {result.environment}, scenario {scenarios}"
-    table = Table()
-    checked = result.validation
-    for header in ("settings", "training score", "validation score"):
-        table.add_column(header, justify="left" if header == "settings" else "right")
-    table.add_row("start", f"{result.score_of_start:.4f}", f"{checked.score_of_start:.4f}")
-    table.add_row("result", f"{result.score:.4f}", f"{checked.score:.4f}")
-    terminal.show(title, table)
-    terminal.explain(
+    columns = (text_column("settings"), TableColumn("training score"), TableColumn("validation score"))
+    scores = {
+        "start": (result.score_of_start, result.validation.score_of_start),
+        "result": (result.score, result.validation.score),
+    }
+    rows = [(Cell.of(name), *(Cell.number(score, ".4f") for score in own)) for name, own in scores.items()]
+    return ResultTable.of(title, columns, rows)
+
+
+def _notes(result: TunedController) -> Iterator[str]:
+    """What explains the scores."""
+    yield (
         f"score: mean over scenarios of the mean reward, over {result.episodes} training and "
-        f"{checked.episodes} validation episodes; 1 is perfect."
+        f"{result.validation.episodes} validation episodes; 1 is perfect."
     )
-    if checked.kept_start:
-        terminal.show("No candidate was better than the start on the validation episodes: it is the result.")
-    for edge, reason in result.edges.items():
-        terminal.show(f"The best candidate lies at an edge of {edge} end: {reason}.")
-    terminal.explain(
+    yield (
         f"{result.trials} trials, {result.used_steps} of {result.budget_steps} steps"
         f" ({result.simulated_seconds:g} s simulated), {result.seconds:.1f} s."
     )
-    terminal.show(f"result: {target}")
+
+
+def _findings(result: TunedController) -> Iterator[str]:
+    """What the search found beside the scores."""
+    if result.validation.kept_start:
+        yield "No candidate was better than the start on the validation episodes: it is the result."
+    for edge, reason in result.edges.items():
+        yield f"The best candidate lies at an edge of {edge} end: {reason}."

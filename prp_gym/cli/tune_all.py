@@ -5,11 +5,9 @@ import sys
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from prp_gym.cli.options import (
     Backend,
@@ -17,25 +15,35 @@ from prp_gym.cli.options import (
     ControllerNames,
     Environments,
     Json,
-    Output,
     ParallelWorkers,
     Plugins,
     Quiet,
     Resume,
+    RunName,
+    RunOutput,
     Seed,
+    TableFormat,
 )
 from prp_gym.console.activity import Activity
 from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError, PRPError
 from prp_gym.processes.interruption import kept_if_interrupted
+from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search import Search
 from prp_gym.runs.search_plan import list_combinations, plan_search, run_or_fail
 from prp_gym.runs.selection import check_names
 from prp_gym.runs.workers import Workers
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import prose_column, text_column
+from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tuning.tuned_controller import TunedController
 
 _FAILED = 1  # exit code
+_NOTE = (
+    "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that is "
+    "the start was not surpassed. Edges: parameters whose best factor lies at the end of its range."
+)
 
 
 def tune_all_command(
@@ -47,7 +55,9 @@ def tune_all_command(
         typer.Option(help="Share of the budgets that is spent."),
     ] = 1.0,
     seed: Seed = 0,
-    output: Output = Path("tuning"),
+    output: RunOutput = None,
+    name: RunName = "",
+    form: TableFormat = TERMINAL,
     jobs: ParallelWorkers = 0,
     backend: Backend = "loky",
     resume: Resume = True,
@@ -67,25 +77,22 @@ def tune_all_command(
         raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
     combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
+    content = [combinations, budget, budget_scale, seed]
+    folder = ResultFolder.choose("tune-all", output, name, content, goes_on=resume)
     searches = [
-        plan_search(combination, budget, budget_scale, seed, output, command, resume)
+        plan_search(combination, budget, budget_scale, seed, folder.path, command, resume)
         for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
-    terminal = Terminal(quiet, as_json)
-    with kept_if_interrupted(lambda: f"the searches are kept in {output}; the same command goes on there"):
+    terminal = Terminal.of(quiet, as_json, form)
+    with folder.in_use():  # one with a failed search stays unfinished, so that the same command tries again
         outcomes = _run(searches, workers, terminal)
-    results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
-    failed = [str(outcome) for outcome in outcomes if isinstance(outcome, PRPError)]
-    terminal.document({"searches": [asdict(result) for result in results], "failed": failed})
-    terminal.show(_table(results))
-    terminal.explain(
-        "score: mean over scenarios and validation episodes of the mean reward, 1 is perfect. A result that "
-        "is the start was not surpassed. Edges: parameters whose best factor lies at the end of its range."
-    )
-    terminal.show(f"results: {output}")
-    if failed:
-        raise typer.Exit(_FAILED)
+        results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]
+        failed = [str(outcome) for outcome in outcomes if isinstance(outcome, PRPError)]
+        found = {"searches": [asdict(result) for result in results], "failed": failed}
+        terminal.report(found, [_table(results)], [_NOTE], [f"results: {folder.path}"])
+        if failed:
+            raise typer.Exit(_FAILED)
 
 
 def _run(
@@ -94,7 +101,9 @@ def _run(
     """What became of the searches, in the order in which they were finished."""
     waiting = [f"{search.task.environment_id} {search.task.controller}" for search in searches]
     outcomes: list[TunedController | PRPError] = []
+    kept = f"the searches are kept in {searches[0].output}; the same command goes on there"
     with (
+        kept_if_interrupted(lambda: kept),
         terminal.progress("tuning", len(searches), "searches") as progress,
         closing(workers.run(run_or_fail, searches)) as finished,
     ):
@@ -122,20 +131,24 @@ def _line(outcome: TunedController | PRPError) -> str:
     )
 
 
-def _table(results: Sequence[TunedController]) -> Table:
+def _table(results: Sequence[TunedController]) -> ResultTable:
     """A row for each result, by environment and controller."""
-    table = Table(title="validation of the searches", title_justify="left")
-    for header in ("environment", "controller"):
-        table.add_column(header, overflow="fold")
-    for header in ("start", "result", "gain", "trials", "search\ns"):
-        table.add_column(header, justify="right")
-    table.add_column("edges", overflow="fold")
-    for item in sorted(results, key=lambda item: (item.environment, item.controller)):
-        checked = item.validation
-        gain = "-" if checked.kept_start else f"{checked.score - checked.score_of_start:+.4f}"
-        cells = (f"{checked.score_of_start:.4f}", f"{checked.score:.4f}", gain)
-        edges = "; ".join(f"{edge} ({reason})" for edge, reason in item.edges.items())
-        table.add_row(
-            item.environment, item.controller, *cells, str(item.trials), f"{item.seconds:.0f}", edges
-        )
-    return table
+    columns = (
+        *(text_column("environment"), text_column("controller"), TableColumn("score of the start")),
+        *(TableColumn("score of the result"), TableColumn("gain"), TableColumn("trials")),
+        *(TableColumn("time of the search", ("s",)), prose_column("edges")),
+    )
+    rows = [_row(item) for item in sorted(results, key=lambda item: (item.environment, item.controller))]
+    return ResultTable.of("validation of the searches", columns, rows)
+
+
+def _row(item: TunedController) -> tuple[Cell | str, ...]:
+    checked = item.validation
+    gain = checked.score - checked.score_of_start
+    return (
+        *(item.environment, item.controller),
+        *(Cell.number(checked.score_of_start, ".4f"), Cell.number(checked.score, ".4f")),
+        Cell("-", 0.0) if checked.kept_start else Cell.number(gain, "+.4f"),
+        *(Cell.of(item.trials), Cell.number(item.seconds, ".0f")),
+        "; ".join(f"{edge} ({reason})" for edge, reason in item.edges.items()),
+    )

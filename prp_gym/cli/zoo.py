@@ -36,6 +36,6 @@ def zoo_command(
         for name in env or list_envs()
     ]
     write_zoo_recipes(recipes, output)
-    terminal = Terminal(as_json=as_json)
-    terminal.document({"recipes": len(recipes), "file": str(output)})
-    terminal.show(f"{len(recipes)} recipes of {algo}: {output}")
+    content = {"recipes": len(recipes), "file": str(output)}
+    terminal = Terminal.of(quiet=False, as_json=as_json)
+    terminal.report(content, lines=[f"{len(recipes)} recipes of {algo}: {output}"])

@@ -3,69 +3,63 @@
 import math
 from collections.abc import Iterable, Sequence
 
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
-
 from prp_gym.comparison.audit import Audit, Finding
-from prp_gym.comparison.table import short_id
+from prp_gym.tables import ABSENT, Cell, ResultTable, TableColumn
+from prp_gym.tables.column import interval_column, text_column
+from prp_gym.tables.matrix import id_cell
 
-_ABSENT = "-"
+_CONDITION = (text_column("environment"), text_column("scenario"))
+_CRITERIA = (
+    *(*_CONDITION, text_column("criterion"), TableColumn("policies")),
+    TableColumn("rank corre\u00adlation γ with score"),
+    interval_column("95 % interval"),
+    TableColumn("Spear\u00adman's corre\u00adlation"),
+    TableColumn("bad among the best by score"),
+    text_column("score agrees"),
+)
 
 
-def audit_table(audits: Iterable[Audit]) -> Table:
+def audit_table(audits: Iterable[Audit]) -> ResultTable:
     """The correlation of the score with every criterion."""
-    table = _make("score against the criteria of the tasks", ("environment", "scenario", "criterion"))
-    for header in (
-        "policies",
-        "rank corre-\nlation γ",
-        "95 %\ninterval",
-        "Spear-\nman",
-        "bad among\nthe best",
-        "holds",
-    ):
-        table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
-    for item in audits:
-        for finding in item.findings:
-            table.add_row(
-                short_id(item.environment_id),
-                item.scenario,
-                finding.metric,
-                str(len(item.policies)),
-                *_correlation(finding),
-                _ABSENT if math.isnan(finding.spearman) else f"{finding.spearman:.2f}",
-                str(len(finding.offenders)) if finding.required else _ABSENT,
-                ("yes" if finding.holds else "NO") if finding.required else "reported",
-            )
-    return table
+    rows = [_finding(item, finding) for item in audits for finding in item.findings]
+    return ResultTable.of("score against the criteria of the tasks", _CRITERIA, rows)
 
 
-def unaware_table(audits: Iterable[Audit], names: Sequence[str]) -> Table:
-    """Scores and ranks of the policies that do not attempt the task."""
-    table = _make(
-        "score (rank among all policies) of policies that do not attempt the task", ("environment",)
+def _finding(item: Audit, finding: Finding) -> tuple[Cell | str, ...]:
+    holds = Cell("yes", True, "good") if finding.holds else Cell("NO", False, "bad")
+    return (
+        *(id_cell(item.environment_id), item.scenario, finding.metric, Cell.of(len(item.policies))),
+        *_correlation(finding),
+        Cell.number(finding.spearman, ".2f"),
+        Cell.of(len(finding.offenders)) if finding.required else ABSENT,
+        holds if finding.required else Cell("reported", None),
     )
-    for name in ("best policy", *names):
-        table.add_column(name.replace("_", "\n").replace(" ", "\n"), justify="right", vertical="bottom")
+
+
+def unaware_table(audits: Iterable[Audit], names: Sequence[str]) -> ResultTable:
+    """Scores and ranks of the policies that do not attempt the task."""
+    title = "score (rank among all policies) of policies that do not attempt the task"
+    columns = (
+        *(*_CONDITION, TableColumn("best policy")),
+        *(TableColumn(name, parts=("score", "rank")) for name in names),
+    )
+    rows: list[tuple[Cell | str, ...]] = []
     for item in audits:
         ranked = sorted(item.scores, reverse=True)
         scores = dict(zip(item.policies, item.scores, strict=True))
-        cells = [
-            f"{scores[name]:.3f} ({ranked.index(scores[name]) + 1})" if name in scores else _ABSENT
-            for name in names
-        ]
-        table.add_row(short_id(item.environment_id), f"{ranked[0]:.3f}", *cells)
-    return table
+        cells = [_ranked(scores[name], ranked) if name in scores else ABSENT for name in names]
+        rows.append((id_cell(item.environment_id), item.scenario, Cell.number(ranked[0]), *cells))
+    return ResultTable.of(title, columns, rows)
 
 
-def _correlation(finding: Finding) -> tuple[str, str]:
+def _ranked(score: float, scores: Sequence[float]) -> Cell:
+    """A score with its rank among all scores, the highest of which come first."""
+    rank = scores.index(score) + 1
+    return Cell(f"{score:.3f} ({rank})", (score, rank))
+
+
+def _correlation(finding: Finding) -> tuple[Cell, Cell]:
     value, low, high = finding.correlation
     if math.isnan(value):
-        return _ABSENT, _ABSENT
-    return f"{value:.2f}", f"{low:.2f} {high:.2f}"
-
-
-def _make(title: str, headers: Iterable[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    for header in headers:
-        table.add_column(header, no_wrap=True, vertical="bottom")
-    return table
+        return ABSENT, ABSENT
+    return Cell.number(value, ".2f"), Cell(f"{low:.2f} {high:.2f}", (low, high))

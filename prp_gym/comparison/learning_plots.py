@@ -5,16 +5,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from prp_gym.comparison.plots import COLORS, GRID, TUNING, mode_style, new_figure, to_png
+from prp_gym.comparison.plots import COLORS, GRID, TUNING, label_decades, mode_style
 from prp_gym.comparison.statistics import best_of, score_of
-from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, Condition, Entry, History
-from prp_gym.drawing.palette import Style
+from prp_gym.figures.figure_file import new_figure
+from prp_gym.palette import Style
 from prp_gym.robot.arrays import Array
+from prp_gym.tables.matrix import short_id
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+
+    from prp_gym.figures.notebook_figure import NotebookFigure
 
 _COLUMNS = 3
 _DASHES = ("-", "--", ":")
@@ -38,7 +41,7 @@ def common_curve(histories: Sequence[History]) -> tuple[Array, Array]:
     return grid, np.stack(scores)
 
 
-def draw_learning(conditions: Sequence[Condition]) -> bytes:
+def draw_learning(conditions: Sequence[Condition]) -> "NotebookFigure":
     """Score against simulated time, one panel for each environment and scenario of training.
 
     A line is the median over training seeds and its band their range. A tuned controller is a staircase; the
@@ -66,7 +69,7 @@ def draw_learning(conditions: Sequence[Condition]) -> bytes:
         lines |= _draw_panel(axes, entries, styles, levels.get(key, {}))
         axes.set(title=f"{short_id(key[0])}, {key[1]}", xlabel="simulated time [s]", ylabel="score")
     figure.legend(lines.values(), lines.keys(), loc="outside lower center", ncols=3, frameon=False)
-    return to_png(figure)
+    return figure
 
 
 def _panels(conditions: Sequence[Condition]) -> Mapping[tuple[str, str], list[Entry]]:
@@ -103,7 +106,7 @@ def _draw_panel(
             level, color=COLORS[kind], linestyle=_LEVELS[kind], linewidth=1.3
         )
         axes.annotate(f"{level:.3f}", (0.01, level), xycoords=("axes fraction", "data"), va="top", fontsize=8)
-    axes.set_xscale("log")
+    label_decades(axes)
     axes.set_ylim(0.0, 1.02)
     axes.grid(True, color=GRID, linewidth=0.6)
     return lines

@@ -1,8 +1,7 @@
 """Plots of a comparison: performance profiles, scores by task, compute time against score."""
 
-import io
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prp_gym.comparison.statistics import (
     BEST_AGENT,
@@ -13,13 +12,16 @@ from prp_gym.comparison.statistics import (
     estimate_score,
     score_of,
 )
-from prp_gym.comparison.table import short_id
 from prp_gym.comparison.values import AGENT, CONTROLLER, FLOOR, KINDS, Condition
-from prp_gym.drawing.palette import BLUE, GRAY, LIGHT_GRAY, SERIES, SKY_BLUE, VERMILLION, Style
+from prp_gym.figures.figure_file import new_figure
+from prp_gym.palette import BLUE, GRAY, LIGHT_GRAY, SERIES, SKY_BLUE, VERMILLION, Style
+from prp_gym.tables.matrix import short_id
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from prp_gym.figures.notebook_figure import NotebookFigure
 
 COLORS = {CONTROLLER: BLUE, AGENT: VERMILLION, FLOOR: GRAY}
 """Colours of the kinds of policies."""
@@ -30,6 +32,10 @@ TUNING = SKY_BLUE
 GRID = LIGHT_GRAY
 _MODES = tuple(style for style in SERIES if style.color not in COLORS.values())
 
+_MARKERS = {CONTROLLER: "o", AGENT: "D", FLOOR: "x"}
+_BESIDE: dict[str, Any] = {"textcoords": "offset points", "va": "center", "fontsize": 6}
+_MICROSECONDS = 1e6
+
 
 def mode_style(index: int) -> Style:
     """Style of an action mode by its position: repeated colours have another line style."""
@@ -37,29 +43,7 @@ def mode_style(index: int) -> Style:
     return _MODES[position]._replace(line=_MODES[(position + round_) % len(_MODES)].line)
 
 
-_DPI = 100
-_MARKERS = {CONTROLLER: "o", AGENT: "D", FLOOR: "x"}
-_MICROSECONDS = 1e6
-
-
-def new_figure(width: float, height: float) -> "Figure":
-    """An empty figure without a window, of a width and height [inches]."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # on use: the package stays light
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def to_png(figure: "Figure") -> bytes:
-    """The content of a PNG file of the figure."""
-    target = io.BytesIO()
-    figure.savefig(target, format="png", dpi=_DPI)
-    return target.getvalue()
-
-
-def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
+def draw_profiles(aggregates: Sequence[Aggregate]) -> "NotebookFigure":
     """Share of scores above each threshold, one panel for each scenario, with pointwise 95 % bands."""
     scenarios = list(dict.fromkeys(item.scenario for item in aggregates))
     shown = [item for item in aggregates if item.family != BEST_AGENT]
@@ -81,10 +65,10 @@ def draw_profiles(aggregates: Sequence[Aggregate]) -> bytes:
         axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.02))
         axes.grid(True, color=GRID, linewidth=0.6)
         axes.legend(loc="lower left", fontsize=8, frameon=False)
-    return to_png(figure)
+    return figure
 
 
-def draw_scores(conditions: Sequence[Condition], seed: int) -> bytes:
+def draw_scores(conditions: Sequence[Condition], seed: int) -> "NotebookFigure":
     """Scores by task: the best of each kind with its 95 % interval, all others as small points.
 
     Args:
@@ -104,7 +88,7 @@ def draw_scores(conditions: Sequence[Condition], seed: int) -> bytes:
         for line in range(1, len(ids)):
             axes.axhline(line - 0.5, color=GRID, linewidth=0.6)
     _legend(figure, _kinds(conditions))
-    return to_png(figure)
+    return figure
 
 
 def _draw_condition(axes: "Axes", condition: Condition, row: float, seed: int) -> None:
@@ -117,6 +101,7 @@ def _draw_condition(axes: "Axes", condition: Condition, row: float, seed: int) -
         axes.plot(others, [height] * len(others), "|", color=COLORS[kind], markersize=6, alpha=0.6)
         axes.plot([score.low, score.high], [height, height], color=COLORS[kind], linewidth=2.2)
         axes.plot([score.value], [height], _MARKERS[kind], color=COLORS[kind], markersize=6)
+        axes.annotate(f"{score.value:.2f}", (0.0, height), xytext=(3, 0), **_BESIDE)
 
 
 def _kinds(conditions: Sequence[Condition]) -> list[str]:
@@ -138,7 +123,7 @@ def _legend(figure: "Figure", kinds: Sequence[str]) -> None:
     figure.legend(handles=handles, loc="outside lower center", ncols=len(kinds), frameon=False)
 
 
-def draw_compute(conditions: Sequence[Condition]) -> bytes:
+def draw_compute(conditions: Sequence[Condition]) -> "NotebookFigure":
     """Score against compute time, one point for each policy and task, one panel for each scenario."""
     scenarios = list(dict.fromkeys(condition.scenario for condition in conditions))
     figure = new_figure(6.0 * len(scenarios), 5.0)
@@ -151,16 +136,20 @@ def draw_compute(conditions: Sequence[Condition]) -> bytes:
             times = [_MICROSECONDS * entry.compute_time for entry in entries]
             scores = [score_of(entry) for entry in entries]
             axes.plot(times, scores, _MARKERS[kind], color=COLORS[kind], markersize=5, alpha=0.65)
-        _label_decades(axes)
+        label_decades(axes)
         axes.set(title=f"scenario {scenario}", xlabel="compute time per action [µs]", ylim=(0.0, 1.02))
         axes.grid(True, which="both", color=GRID, linewidth=0.5)
     panels[0].set_ylabel("score (one point per policy and task)")
     _legend(figure, kinds)
-    return to_png(figure)
+    return figure
 
 
-def _label_decades(axes: "Axes") -> None:
-    """Make the axis of x logarithmic, labelled at 1, 2 and 5 times the powers of ten."""
+def label_decades(axes: "Axes") -> None:
+    """Make the axis of x logarithmic, labelled at 1, 2 and 5 times the powers of ten.
+
+    Args:
+        axes: axes of matplotlib.
+    """
     from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
     axes.set_xscale("log")

@@ -1,11 +1,9 @@
-"""Comparisons as tables for the terminal."""
+"""Comparisons as tables."""
 
 import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from prp_gym.comparison.effort import Effort
 from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, summarise, training_spread
@@ -14,30 +12,19 @@ from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table, score_table
 from prp_gym.robot.arrays import Array
+from prp_gym.tables import ABSENT, Cell, ResultTable, TableColumn
+from prp_gym.tables.column import interval_column, text_column
+from prp_gym.tables.matrix import id_cell
 
-_ABSENT = "-"
-_WIDEST_NAME = 28  # with it the widest table of an evaluation holds in 120 columns
-_SEPARATORS = " _-"
+_WIDEST_NAME, _NARROW = 28, 16  # characters of a name in one line
+_ENVIRONMENT, _SCENARIO = text_column("environment"), text_column("scenario")
+_AGENT = text_column("agent", _WIDEST_NAME)
+_SCORE = (TableColumn("score"), interval_column("95 % interval"))
+_BLANK = Cell("", None)  # in the line of the controller, whose comparison is in that of the agent
 _THOUSAND, _MILLION = 1e3, 1e6
 
 
-def short_id(environment_id: str) -> str:
-    """An environment's id without the prefix and version of the suite's ids."""
-    return environment_id.removeprefix("PRP-").removesuffix("-v0")
-
-
-def fold(name: str, width: int = _WIDEST_NAME) -> str:
-    """A name in lines of a width, broken after a space, an underscore or a hyphen where there is one."""
-    lines = []
-    while len(name) > width:
-        breaks = [index + 1 for index in range(width) if name[index] in _SEPARATORS]
-        end = width if name[width] == " " or not breaks else breaks[-1]
-        lines.append(name[:end].rstrip())
-        name = name[end:].lstrip()
-    return "\n".join([*lines, name])
-
-
-def condition_table(condition: Condition, seed: int) -> Table:
+def condition_table(condition: Condition, seed: int) -> ResultTable:
     """The policies under a condition with medians of the metrics, best score first.
 
     Args:
@@ -50,7 +37,7 @@ def condition_table(condition: Condition, seed: int) -> Table:
     )
 
 
-def condition_scores(condition: Condition, seed: int) -> Table:
+def condition_scores(condition: Condition, seed: int) -> ResultTable:
     """Scores and failures of the policies under a condition, best score first.
 
     Args:
@@ -74,7 +61,7 @@ def condition_rows(condition: Condition, seed: int) -> list[Row]:
 def _row(entry: Entry, episodes: int, seed: int) -> Row:
     median = {name: _median(values) for name, values in entry.metrics.items()}
     summary = summarise(entry, seed)
-    return Row(fold(entry.policy), episodes, summary, median, entry.compute_time, entry.kind == FLOOR)
+    return Row(entry.policy, episodes, summary, median, entry.compute_time, entry.kind == FLOOR)
 
 
 def _median(values: Array) -> Array:
@@ -84,99 +71,109 @@ def _median(values: Array) -> Array:
     return np.array([np.median(column) if len(column) else np.nan for column in kept])
 
 
-def pairwise_table(pairwise_comparisons: Iterable[PairwiseComparison]) -> Table:
+def pairwise_table(pairwise_comparisons: Iterable[PairwiseComparison]) -> ResultTable:
     """The best controller against the best agent under every condition, one line each."""
-    table = _make("best controller against best agent", ("environment", "best controller,\nbest agent"))
-    _add(table, "score", "95 %\ninterval", "paired\ndiffer-\nence", "95 %\ninterval", "P(agent\nbetter)")
-    _add(table, "dis-\njoint\ninter-\nvals", "better")
+    columns = (
+        *(
+            _ENVIRONMENT,
+            _SCENARIO,
+            text_column("best con\u00adtroller, then best agent", _NARROW),
+            *_SCORE,
+        ),
+        TableColumn("agent minus con\u00adtroller"),
+        interval_column("95 % interval of the differ\u00adence"),
+        TableColumn("proba\u00adbility that agent is better"),
+        text_column("dis\u00adjoint inter\u00advals"),
+        text_column("better"),
+    )
+    rows: list[tuple[Cell | str, ...]] = []
     for pairwise in pairwise_comparisons:
-        difference, controller, agent = pairwise.difference, pairwise.controller_score, pairwise.agent_score
-        table.add_row(short_id(pairwise.environment_id), fold(pairwise.controller), *_score(controller))
-        table.add_row(
-            f"  {pairwise.scenario}",
-            fold(pairwise.agent),
-            *_score(agent),
-            f"{difference.value:+.3f}",
-            f"{difference.low:+.3f} {difference.high:+.3f}",
-            f"{pairwise.probability:.2f}",
+        difference, where = pairwise.difference, (id_cell(pairwise.environment_id), pairwise.scenario)
+        rows.append((*where, pairwise.controller, *_score(pairwise.controller_score), *(_BLANK,) * 5))
+        found = (
+            Cell.number(difference.value, "+.3f"),
+            Cell(f"{difference.low:+.3f} {difference.high:+.3f}", (difference.low, difference.high)),
+            Cell.number(pairwise.probability, ".2f"),
             "yes" if pairwise.apart else "no",
             pairwise.verdict,
         )
-    return table
+        rows.append((*where, pairwise.agent, *_score(pairwise.agent_score), *found))
+    return ResultTable.of("best controller against best agent", columns, rows)
 
 
-def spread_table(conditions: Iterable[Condition]) -> Table:
+def spread_table(conditions: Iterable[Condition]) -> ResultTable:
     """Spread of the agents' scores over training seeds: median and range."""
-    table = _make("agents by training seed", ("environment", "agent", "action mode"))
-    _add(table, "training\nseeds", "median\nscore", "range")
+    columns = (
+        *(_ENVIRONMENT, _SCENARIO, _AGENT, text_column("action mode", _WIDEST_NAME)),
+        *(TableColumn("training seeds"), TableColumn("median score")),
+        TableColumn("range of scores", parts=("low", "high")),
+    )
+    rows = []
     for condition in conditions:
         for entry in condition.of_kind(AGENT):
             spread = training_spread(entry)
-            table.add_row(
-                f"{short_id(condition.environment_id)}, {condition.scenario}",
-                fold(entry.policy),
-                fold(entry.mode),
-                str(len(entry.training_seeds)),
-                f"{spread.median:.3f}",
-                f"{spread.low:.3f}-{spread.high:.3f}",
+            rows.append(
+                (
+                    *(id_cell(condition.environment_id), condition.scenario, entry.policy, entry.mode),
+                    *(Cell.of(len(entry.training_seeds)), Cell.number(spread.median)),
+                    Cell(f"{spread.low:.3f}-{spread.high:.3f}", (spread.low, spread.high)),
+                )
             )
-    return table
+    return ResultTable.of("agents by training seed", columns, rows)
 
 
-def aggregate_table(aggregates: Iterable[Aggregate]) -> Table:
+def aggregate_table(aggregates: Iterable[Aggregate]) -> ResultTable:
     """Families of policies over their tasks."""
-    table = _make("score over all tasks", ("scenario", "policies"))
-    _add(table, "tasks", "score", "95 %\ninterval", "best controller\non these tasks")
-    for item in aggregates:
-        reference = _ABSENT if math.isnan(item.reference.value) else f"{item.reference.value:.3f}"
-        family = fold(item.family, 50)
-        table.add_row(item.scenario, family, str(item.tasks), *_score(item.score), reference)
-    return table
-
-
-def effort_table(efforts: Sequence[Effort]) -> Table:
-    """Training or tuning until the score of the best controller in the same scenario was reached."""
-    table = _make(
-        "learning effort: until the score of the best controller is reached", ("environment", "policy")
+    columns = (
+        *(_SCENARIO, text_column("policies", 50), TableColumn("tasks"), *_SCORE),
+        TableColumn("score of best controller on these tasks"),
     )
-    _add(table, "score to\nreach", "best\nscore", "reached\nby", "steps", "simulated\ns", "wall\nmin")
-    _add(table, "total\nsimu-\nlated\ns", "viola-\ntions")
-    for item in efforts:
-        table.add_row(
-            fold(f"{short_id(item.environment_id)}, {item.scenario}", 18),
-            fold(item.policy, 26),
-            f"{item.goal:.3f}",
-            f"{item.best:.3f}",
-            f"{item.reached} of {item.members}",
-            _count(item.reach.steps),
-            _count(item.reach.simulated_seconds),
-            _count(item.reach.wall_minutes),
-            _count(item.budget_seconds),
-            _count(item.violations),
+    rows = [
+        (
+            *(item.scenario, item.family, Cell.of(item.tasks)),
+            *(*_score(item.score), Cell.number(item.reference.value)),
         )
-    return table
+        for item in aggregates
+    ]
+    return ResultTable.of("score over all tasks", columns, rows)
 
 
-def _make(title: str, headers: Iterable[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    for header in headers:
-        table.add_column(header, no_wrap=True, vertical="bottom")
-    return table
+def effort_table(efforts: Sequence[Effort]) -> ResultTable:
+    """Training or tuning until the score of the best controller in the same scenario was reached."""
+    columns = (
+        *(_ENVIRONMENT, _SCENARIO, text_column("policy", _WIDEST_NAME)),
+        *(TableColumn("score to reach"), TableColumn("best score"), text_column("reached by")),
+        *(
+            TableColumn("steps"),
+            TableColumn("simu\u00adlated time", ("s",)),
+            TableColumn("wall time", ("min",)),
+        ),
+        TableColumn("simu\u00adlated time in all", ("s",)),
+        TableColumn("viola\u00adtions in all"),
+    )
+    rows = [
+        (
+            *(id_cell(item.environment_id), item.scenario, item.policy),
+            *(Cell.number(item.goal), Cell.number(item.best), f"{item.reached} of {item.members}"),
+            *(_count(item.reach.steps), _count(item.reach.simulated_seconds)),
+            *(_count(item.reach.wall_minutes), _count(item.budget_seconds), _count(item.violations)),
+        )
+        for item in efforts
+    ]
+    return ResultTable.of("learning effort: until the score of the best controller is reached", columns, rows)
 
 
-def _add(table: Table, *headers: str) -> None:
-    for header in headers:
-        table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
+def _score(estimate: Estimate) -> tuple[Cell, Cell]:
+    interval = Cell(f"{estimate.low:.3f}-{estimate.high:.3f}", (estimate.low, estimate.high))
+    return Cell.number(estimate.value), interval
 
 
-def _score(estimate: Estimate) -> tuple[str, str]:
-    return f"{estimate.value:.3f}", f"{estimate.low:.3f}-{estimate.high:.3f}"
-
-
-def _count(value: float) -> str:
+def _count(value: float) -> Cell:
     """A quantity in a few characters, with k for thousands and M for millions."""
-    if math.isnan(value):
-        return _ABSENT
+    return ABSENT if math.isnan(value) else Cell(_short(value), value)
+
+
+def _short(value: float) -> str:
     if math.isinf(value):
         return "never"
     if value >= _MILLION:

@@ -3,18 +3,17 @@
 import codecs
 import sys
 import unicodedata
+from dataclasses import replace
 
-from rich.box import Box
 from rich.console import Console
-from rich.table import Table
 
-from prp_gym.console.table_copy import copy_table
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.headings import SOFT_HYPHEN
 
 ERRORS = "prp_gym.legible"
 """Name of the handler of characters that an encoding lacks."""
 
 _ASCII, _END_OF_NAMES = 0x80, 0x180  # first code points beyond ASCII and Latin Extended-A
-_BOX = Box("    \n    \n -- \n    \n    \n    \n    \n    \n", ascii=True)  # as rich's SIMPLE_HEAD
 
 _LETTERS = """
 µ u  μ u  ² ^2  ³ ^3  ⁻ ^-  ¹ ^1  ° deg  ± +/-  ½ 1/2  ₑ _e
@@ -49,15 +48,24 @@ def legible(text: str) -> str:
     return "".join(map(_letter, text))
 
 
-def legible_table(table: Table) -> Table:
+def legible_table(table: ResultTable) -> ResultTable:
     """A table in ASCII.
 
     Args:
-        table: table whose headers and cells are texts.
+        table: table whose title, headings, units and texts are converted; its values stay as they are.
     """
-    made = copy_table(table, range(len(table.columns)), legible)
-    made.box = _BOX
-    return made
+    columns = tuple(map(_legible_column, table.columns))
+    rows = tuple(tuple(map(_legible_cell, row)) for row in table.rows)
+    return ResultTable(legible(table.title), columns, rows)
+
+
+def _legible_column(column: TableColumn) -> TableColumn:
+    heading = SOFT_HYPHEN.join(map(legible, column.heading.split(SOFT_HYPHEN)))
+    return replace(column, heading=heading, units=tuple(map(legible, column.units)))
+
+
+def _legible_cell(cell: Cell) -> Cell:
+    return replace(cell, text=legible(cell.text))
 
 
 def write_legibly() -> None:

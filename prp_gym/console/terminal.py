@@ -2,21 +2,23 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from rich.console import Console
-from rich.table import Table
 
 from prp_gym.artifacts import to_plain
 from prp_gym.console.bars import Bars
 from prp_gym.console.consoles import make_console
-from prp_gym.console.fitting import fit
 from prp_gym.console.legible import is_unicode, legible, legible_table
 from prp_gym.console.lines import Lines
 from prp_gym.console.progress import Progress
 from prp_gym.console.silence import Silence
+from prp_gym.errors import InvalidValueError
+from prp_gym.tables import ResultTable
+from prp_gym.tables.formats import JSON, TERMINAL, write_tables
+from prp_gym.tables.json_text import plain_tables
 
 
 @dataclass(frozen=True)
@@ -25,12 +27,28 @@ class Terminal:
 
     Attributes:
         quiet: whether progress and notes are left out.
-        as_json: whether the results are one JSON document in place of tables.
+        form: form of the tables, one of `FORMATS`; with `JSON` all results are one JSON document.
     """
 
     quiet: bool = False
-    as_json: bool = False
+    form: str = TERMINAL
     _errors: Console = field(default_factory=lambda: make_console(stderr=True), repr=False, compare=False)
+
+    @classmethod
+    def of(cls, quiet: bool, as_json: bool, form: str = TERMINAL) -> Self:
+        """The terminal that a command's options describe.
+
+        Args:
+            quiet: whether progress and notes are left out.
+            as_json: whether the form is JSON.
+            form: form of the tables, one of `FORMATS`.
+
+        Raises:
+            InvalidValueError: JSON and another form at the same time.
+        """
+        if as_json and form not in (TERMINAL, JSON):
+            raise InvalidValueError("--format", form, "not beside --json, which is --format json")
+        return cls(quiet, JSON if as_json else form)
 
     def progress(self, label: str, total: float = math.inf, unit: str = "", done: float = 0.0) -> Progress:
         """How far some work is: bars in a terminal, a line now and then elsewhere, nothing if quiet.
@@ -72,42 +90,41 @@ class Terminal:
         """
         _print(self._errors, text, wrapped=self._errors.is_terminal, style="red")
 
-    def show(self, *results: Table | str) -> None:
-        """Write results to standard output, tables in as many parts as the width needs; not with `as_json`.
+    def report(
+        self,
+        content: Mapping[str, Any],
+        tables: Sequence[ResultTable] = (),
+        notes: Iterable[str] = (),
+        lines: Iterable[str] = (),
+    ) -> None:
+        """Write the results to standard output.
+
+        In a form for programs, notes and lines go to standard error, unless quiet.
 
         Args:
-            results: tables, and lines of text.
+            content: all results, of any kind that `to_plain` takes, for the JSON document.
+            tables: the results that people read.
+            notes: what explains the tables, left out if quiet.
+            lines: what belongs to the results, such as where they are.
         """
-        if self.as_json:
-            return
-        console = make_console()
-        for result in results:
-            if isinstance(result, str):
-                _print(console, result)
-                continue
-            table = result if is_unicode(console) else legible_table(result)
-            for part in fit(table, console):
-                console.print(part)
-
-    def explain(self, *notes: str) -> None:
-        """Write notes on the results below them, unless quiet or with `as_json`.
-
-        Args:
-            notes: lines of text.
-        """
-        if not self.quiet:
-            self.show(*notes)
-
-    def document(self, content: Mapping[str, Any]) -> None:
-        """Write the results as one JSON document to standard output, with `as_json` alone.
-
-        Args:
-            content: value of any kind that `to_plain` takes.
-        """
-        if self.as_json:
+        if self.form == TERMINAL:
             console = make_console()
-            plain = to_plain(content)
-            print(json.dumps(plain, indent=2, ensure_ascii=not is_unicode(console), allow_nan=False))
+            for table in tables:
+                console.print(table if is_unicode(console) else legible_table(table))
+            for line in [*([] if self.quiet else notes), *lines]:
+                _print(console, line)
+            return
+        text = _document(content, tables) if self.form == JSON else write_tables(tables, self.form)
+        print(text, end="")
+        for line in [*notes, *lines]:
+            self.note(line)
+
+
+def _document(content: Mapping[str, Any], tables: Sequence[ResultTable]) -> str:
+    """The results as one JSON document, with the tables under their own name."""
+    plain = {**to_plain(content), **({"tables": plain_tables(tables)} if tables else {})}
+    shown = json.dumps(plain, indent=2, ensure_ascii=not is_unicode(make_console()), allow_nan=False)
+    return f"{shown}\n"
 
 
 def _print(console: Console, text: str, wrapped: bool = True, style: str = "") -> None:

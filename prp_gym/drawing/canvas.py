@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from prp_gym.drawing.palette import Color
+from prp_gym.palette import Color
 from prp_gym.robot.arrays import Array
 
 FINE = 240

@@ -6,7 +6,7 @@ import numpy as np
 
 from prp_gym.drawing.canvas import Canvas
 from prp_gym.drawing.overlay import OverlayItem
-from prp_gym.drawing.palette import BLACK, VERMILLION, Color, rgba
+from prp_gym.palette import BLACK, VERMILLION, Color, rgba
 from prp_gym.robot.arrays import Array
 
 FREE, TOUCHING, LOST = "free", "touching", "contact lost"

@@ -6,7 +6,7 @@ import numpy as np
 
 from prp_gym.drawing.canvas import Canvas
 from prp_gym.drawing.overlay import OverlayItem
-from prp_gym.drawing.palette import rgba
+from prp_gym.palette import rgba
 
 _COLOR = rgba("#4A4F55")
 _ABOVE, _WIDTH, _THIN = 0.0005, 0.0025, 0.0005  # [m]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from prp_gym.drawing.canvas import Canvas
 from prp_gym.drawing.overlay import OverlayItem
-from prp_gym.drawing.palette import SKY_BLUE, rgba
+from prp_gym.palette import SKY_BLUE, rgba
 from prp_gym.robot.arrays import Array
 
 _COLOR = rgba(SKY_BLUE, 0.17)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from prp_gym.drawing.canvas import Canvas
-from prp_gym.drawing.palette import Color
+from prp_gym.palette import Color
 from prp_gym.robot.arrays import Array
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from prp_gym.drawing.canvas import Canvas
 from prp_gym.drawing.overlay import OverlayItem
-from prp_gym.drawing.palette import BLACK, SURFACE, rgba
+from prp_gym.palette import BLACK, SURFACE, rgba
 from prp_gym.robot.arrays import Array
 
 HALF_SIZE = 0.16

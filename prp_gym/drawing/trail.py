@@ -6,7 +6,7 @@ import numpy as np
 
 from prp_gym.drawing.canvas import Canvas
 from prp_gym.drawing.overlay import OverlayItem
-from prp_gym.drawing.palette import MEASURED, rgba
+from prp_gym.palette import MEASURED, rgba
 from prp_gym.robot.arrays import Array
 
 _RADIUS = 0.0045  # [m], at the tip

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import gymnasium
 import numpy as np
@@ -13,12 +13,19 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.batch import can_batch, record_episodes
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.failure import FAILURES
-from prp_gym.evaluation.metrics import episode_metrics
+from prp_gym.evaluation.metrics import METRICS, episode_metrics
 from prp_gym.evaluation.policy_output import takes_batches
 from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.evaluation.score_summary import ScoreSummary
 from prp_gym.evaluation.statistics import Estimate
+from prp_gym.evaluation.summary_table import summary_table
 from prp_gym.robot.arrays import Array
+from prp_gym.tables import ResultTable
+from prp_gym.tables.data_frame import make_frame
+
+if TYPE_CHECKING:
+    from prp_gym.figures.notebook_figure import NotebookFigure
+    from prp_gym.tables.data_frame import DataFrame
 
 _MOST_EPISODES = 10**6
 
@@ -81,6 +88,43 @@ class Evaluation:
     def compute_time(self) -> float:
         """Median time that the policy took for an action [s]."""
         return float(np.median(np.concatenate([rollout.compute_time for rollout in self.rollouts])))
+
+    @property
+    def table(self) -> ResultTable:
+        """Score, failures, and medians of the metrics that the task shows."""
+        first = self.rollouts[0]
+        title = f"{len(self.rollouts)} episodes of {first.environment_id}, scenario {first.scenario}"
+        return summary_table(title, first.environment_id, self.summary, self.median)
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook."""
+        return self.table._repr_html_()
+
+    def to_frame(self) -> "DataFrame":
+        """The metrics as a data frame of pandas, a row for each episode.
+
+        Returns:
+            the seeds, and every metric by name, with `_1`, `_2`, ... for several components; units stand in
+            `attrs["units"]`.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        seeds = np.array([rollout.seed for rollout in self.rollouts])
+        units = {name: METRICS.find(name).units for name in self.metrics}
+        return make_frame({"seed": seeds, **self.metrics}, units)
+
+    def plot(self, episode: int = 0, policy: str = "") -> "NotebookFigure":
+        """One episode as a figure: motion, errors, torques, contact force and reward.
+
+        Args:
+            episode: number of the episode, from 0.
+            policy: name of the policy for the title; empty to leave it out.
+
+        Raises:
+            InvalidValueError: an episode that there is not.
+        """
+        return self.rollouts[whole("episode", episode, 0, len(self.rollouts) - 1)].plot(policy)
 
 
 def _median(values: Array) -> Array:

@@ -78,4 +78,5 @@ class Recorder:
             info=info,
             diverged=diverged,
             compute_time=compute_time,
+            torque_limit=np.array(inner.torque_limit),
         )

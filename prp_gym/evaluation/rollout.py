@@ -2,14 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.quantities import UNITS
 from prp_gym.robot.arrays import Array
+from prp_gym.tables import Cell, ResultTable
+from prp_gym.tables.column import prose_column, text_column
+from prp_gym.tables.data_frame import make_frame
+
+if TYPE_CHECKING:
+    from prp_gym.figures.notebook_figure import NotebookFigure
+    from prp_gym.tables.data_frame import DataFrame
 
 
 @runtime_checkable
@@ -30,7 +38,7 @@ class Policy(Protocol):
         """The action for an observation, and the policy's state for the next call."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rollout:
     """One episode of T control periods.
 
@@ -52,6 +60,7 @@ class Rollout:
         compute_time: time that the policy took for an action, for some or all actions [s]; the only part
             that is not reproducible. It includes the inner controller of an action mode, over all periods of
             the action.
+        torque_limit: largest torques of the actuators (joints) [N m, N, N m].
     """
 
     environment_id: str
@@ -66,6 +75,7 @@ class Rollout:
     info: Mapping[str, Array]
     diverged: bool
     compute_time: Array
+    torque_limit: Array
 
     @property
     def planned_periods(self) -> int:
@@ -76,6 +86,71 @@ class Rollout:
     def time(self) -> Array:
         """Times of the observations (T + 1) [s]."""
         return np.arange(len(self.reward) + 1, dtype=np.float64) * float(self.period)
+
+    def __repr__(self) -> str:
+        """The environment, the length and the score."""
+        ended = ", diverged" if self.diverged else ""
+        return (
+            f"<Rollout of {len(self.reward)} periods ({self.time[-1]:g} s) of {self.environment_id}, scenario"
+            f" {self.scenario}, seed {self.seed}: score {self.score:.3f}{ended}>"
+        )
+
+    @property
+    def score(self) -> float:
+        """Sum of the rewards over the planned number of periods, 1 is perfect [1]."""
+        return float(self.reward.sum()) / self.planned_periods
+
+    @property
+    def table(self) -> ResultTable:
+        """What the episode is, in a few lines."""
+        facts = {
+            "seed": f"{self.seed}",
+            "length": f"{self.time[-1]:g} s of {self.duration:g} s, {1.0 / self.period:g} Hz",
+            "score": f"{self.score:.3f}",
+            "diverged": "yes" if self.diverged else "no",
+            "recorded": ", ".join([*self.fields, "torque", "applied_torque", "reward"]),
+        }
+        title = f"episode of {self.environment_id}, scenario {self.scenario}"
+        rows = [(name, Cell.of(text)) for name, text in facts.items()]
+        return ResultTable.of(title, (text_column("fact"), prose_column("value")), rows)
+
+    def _repr_html_(self) -> str:
+        """The table for a notebook."""
+        return self.table._repr_html_()
+
+    def to_frame(self) -> "DataFrame":
+        """The episode as a data frame of pandas, a row for each of its T + 1 times.
+
+        Returns:
+            time [s], fields, torques, reward, and the numbers of `info` after `info_`. Those of a period
+            stand at its beginning; at the last time they are NaN. Units stand in `attrs["units"]`.
+
+        Raises:
+            MissingPackageError: pandas is not installed.
+        """
+        periods = {"torque": self.torque, "applied_torque": self.applied_torque, "reward": self.reward}
+        columns = {"time": self.time, **self.fields}
+        periods |= {f"info_{name}": values for name, values in self.info.items()}
+        columns |= {name: _with_last(values) for name, values in periods.items()}
+        return make_frame(columns, UNITS)
+
+    def plot(self, policy: str = "") -> "NotebookFigure":
+        """The episode as a figure: motion, errors, torques, contact force and reward.
+
+        Args:
+            policy: name of the policy for the title; empty to leave it out.
+
+        Returns:
+            a figure of matplotlib with the panels that the task has.
+        """
+        from prp_gym.figures.episode_figure import draw_episode  # on use: the package stays light
+
+        return draw_episode(self, policy)
+
+
+def _with_last(values: Array) -> Array:
+    """Values of the periods (T, ...) with NaN for the time at the end (T + 1, ...)."""
+    return np.concatenate([values, np.full_like(values[:1], np.nan, dtype=np.float64)])
 
 
 def inner_time(loop: Any) -> float:

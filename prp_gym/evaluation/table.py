@@ -1,12 +1,9 @@
-"""Evaluations as a table for the terminal, with the columns that the task declares."""
+"""Evaluations as tables, with the columns that the task declares."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
-
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from prp_gym.artifacts import to_array
 from prp_gym.errors import InvalidValueError
@@ -15,6 +12,8 @@ from prp_gym.evaluation.metrics import METRICS
 from prp_gym.evaluation.score_summary import ScoreSummary
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
+from prp_gym.tables import ABSENT, Cell, ResultTable, TableColumn
+from prp_gym.tables.column import interval_column, text_column
 
 SCORE_NOTE = (
     "worst twentieth: mean of the worst 5 % of the episodes, of one at least; skill: share of what lies "
@@ -22,16 +21,19 @@ SCORE_NOTE = (
 )
 """Explanation of the columns of `score_table`, and of the other figures."""
 
-_ABSENT = "-"
-_TIME = "com-\npute\ntime\nµs"
+_WIDEST_NAME = 28  # with it the widest table of an evaluation holds in 120 columns
+_SCORE = (TableColumn("score"), interval_column("95 % interval"))
 _SCORES = (
-    "score",
-    "95 %\ninterval",
-    "inter-\nquartile\nmean",
-    "worst\ntwen-\ntieth",
-    "skill",
+    *_SCORE,
+    TableColumn("inter\u00adquartile mean"),
+    TableColumn("worst twen\u00adtieth"),
+    TableColumn("skill above best floor"),
 )
-_FAILED = ("di-\nverged", "excess\nforce", "limit\ncycle", "un-\nset-\ntled")  # in the order of `FAILURES`
+_FAILED = tuple(
+    TableColumn(f"failed: {kind}", ("%",))  # in the order of `FAILURES`
+    for kind in ("di\u00adverged", "excess force", "limit cycle", "un\u00adset\u00adtled")
+)
+_TIME = TableColumn("com\u00adpute time of an action", ("µs",))
 _SMALLEST = 0.005
 _TWO_DECIMALS_BELOW = 0.1
 _WHOLE_FROM = 10.0
@@ -93,21 +95,22 @@ class _MetricColumn:
     metric: str
     column: Column
 
-    def header(self, rows: Sequence[Row]) -> str:
-        """Title and units, those of as many components as the rows have."""
+    def heading(self, rows: Sequence[Row]) -> TableColumn:
+        """Heading with units, those of as many components as the rows have."""
         medians = (row.median for row in rows)
         count = max(len(median[self.metric]) for median in medians if self.metric in median)
-        return f"{self.column.title}\n{' '.join(self.column.units[:count])}"
+        parts = tuple(str(index + 1) for index in range(count)) if count > 1 else ()
+        return TableColumn(self.column.title.replace("\n", " "), self.column.units[:count], parts=parts)
 
-    def cell(self, row: Row) -> str:
+    def cell(self, row: Row) -> Cell:
         """The median of one row."""
         values = row.median.get(self.metric)
-        return _ABSENT if values is None else _vector(self.column.scale * values)
+        return ABSENT if values is None else _vector(self.column.scale * values)
 
 
 def evaluation_table(
     title: str, rows: Sequence[Row], metrics: Iterable[str], who: str = "controller"
-) -> Table:
+) -> ResultTable:
     """Mean scores and medians of the metrics, best score first and the floors last.
 
     Args:
@@ -118,23 +121,23 @@ def evaluation_table(
         who: header of the names of the rows.
 
     Returns:
-        a table for a terminal of 120 columns. Vectors are the joints [mrad, mm, mrad]; what is below 0.005
-        is shown as 0.
+        a table that fits a terminal of 120 columns. Vectors are the joints [mrad, mm, mrad]; what is below
+        0.005 is shown as 0.
 
     Raises:
         UnknownNameError: a metric that does not exist.
         InvalidValueError: a metric without a column.
     """
     columns = _columns(metrics, rows)
-    headers = ("score", "95 %\ninterval", *(column.header(rows) for column in columns), _TIME)
-    table = _make(title, who, headers)
-    for row in ranked(rows):
-        cells = [column.cell(row) for column in columns]
-        table.add_row(row.name, *_score(row), *cells, _number(round(1e6 * row.compute_time)))
-    return table
+    headings = (text_column(who, _WIDEST_NAME), *_SCORE, *(column.heading(rows) for column in columns), _TIME)
+    lines = [
+        (Cell.of(row.name), *_score(row), *(column.cell(row) for column in columns), _time(row))
+        for row in ranked(rows)
+    ]
+    return ResultTable.of(title, headings, lines)
 
 
-def score_table(title: str, rows: Sequence[Row], who: str = "controller") -> Table:
+def score_table(title: str, rows: Sequence[Row], who: str = "controller") -> ResultTable:
     """Scores, what their mean hides, and the failed episodes by kind; best first and the floors last.
 
     Args:
@@ -142,16 +145,22 @@ def score_table(title: str, rows: Sequence[Row], who: str = "controller") -> Tab
         rows: rows of one environment and scenario.
         who: header of the names of the rows.
     """
+    headings = (text_column(who, _WIDEST_NAME), *_SCORES, *_FAILED)
     floor = best_floor(rows)
-    failed = (f"{'failed:' if index == 0 else ''}\n{kind}" for index, kind in enumerate(_FAILED))
-    headers = (*_SCORES, *(f"{header}\n%" for header in failed))
-    table = _make(title, who, headers)
-    for row in ranked(rows):
-        summary = row.summary
-        numbers = (*_score(row), f"{summary.interquartile_mean.value:.3f}", f"{summary.worst_twentieth:.3f}")
-        skill = _ABSENT if row.floor else _three_decimals(summary.skill(floor))
-        table.add_row(row.name, *numbers, skill, *map(_share, summary.failure.tolist()))
-    return table
+    return ResultTable.of(title, headings, [_scores(row, floor) for row in ranked(rows)])
+
+
+def _scores(row: Row, floor: float) -> tuple[Cell, ...]:
+    """One line of the scores, with the skill above the score of the best floor."""
+    summary = row.summary
+    return (
+        Cell.of(row.name),
+        *_score(row),
+        Cell.number(summary.interquartile_mean.value),
+        Cell.number(summary.worst_twentieth),
+        ABSENT if row.floor else Cell.number(summary.skill(floor)),
+        *(Cell.number(share, ".0f") for share in summary.failure.tolist()),
+    )
 
 
 def ranked(rows: Iterable[Row]) -> list[Row]:
@@ -162,14 +171,6 @@ def ranked(rows: Iterable[Row]) -> list[Row]:
 def best_floor(rows: Iterable[Row]) -> float:
     """The highest mean score of the floors [1]; NaN without one."""
     return max((row.score.value for row in rows if row.floor), default=math.nan)
-
-
-def _make(title: str, who: str, headers: Iterable[str]) -> Table:
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    table.add_column(who, no_wrap=True, vertical="bottom")
-    for header in headers:
-        table.add_column(header, justify="right", no_wrap=True, vertical="bottom")
-    return table
 
 
 def _columns(metrics: Iterable[str], rows: Sequence[Row]) -> list[_MetricColumn]:
@@ -184,31 +185,29 @@ def _columns(metrics: Iterable[str], rows: Sequence[Row]) -> list[_MetricColumn]
     return columns
 
 
-def _score(row: Row) -> tuple[str, str]:
+def _score(row: Row) -> tuple[Cell, Cell]:
     score = row.score
     interval = f"{score.low:.3f}-{score.high:.3f}" if row.episodes > 1 else "1 episode"
-    return f"{score.value:.3f}", interval
+    return Cell.number(score.value), Cell(interval, (score.low, score.high))
 
 
-def _three_decimals(value: float) -> str:
-    return _ABSENT if math.isnan(value) else f"{value:.3f}"
+def _time(row: Row) -> Cell:
+    microseconds = 1e6 * row.compute_time
+    return Cell(_number(round(microseconds)), microseconds)
 
 
-def _share(value: float) -> str:
-    """A percentage without decimals."""
-    return _ABSENT if math.isnan(value) else f"{value:.0f}"
-
-
-def _vector(values: Array) -> str:
-    if all(math.isnan(value) for value in values):
-        return _ABSENT
-    return " ".join(_number(value) for value in values.tolist())
+def _vector(values: Array) -> Cell:
+    numbers = values.tolist()
+    if all(math.isnan(value) for value in numbers):
+        return ABSENT
+    text = " ".join(_number(value) for value in numbers)
+    return Cell(text, tuple(numbers) if len(numbers) > 1 else numbers[0])
 
 
 def _number(value: float) -> str:
     """In at most four characters and a sign, or as a word."""
     if math.isnan(value):
-        return _ABSENT
+        return ABSENT.text
     if math.isinf(value):
         return "never"
     if abs(value) < _SMALLEST:

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.drawing.palette import BLACK, FORCE, GRAY, MEASURED, REFERENCE
 from prp_gym.errors import MissingPackageError
+from prp_gym.palette import BLACK, FORCE, GRAY, MEASURED, REFERENCE
 from prp_gym.recording.side import Side
 from prp_gym.recording.signals import Sample
 from prp_gym.recording.strip_chart import StripChart, Trace, nice_limit

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.core.loop import EpisodeLoop
-from prp_gym.recording.acting_policy import ActingPolicy
 from prp_gym.recording.signals import ErrorSignal, Sample, sample
+from prp_gym.runs.acting_policy import ActingPolicy
 
 _ALMOST = 1e-9  # [s]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from prp_gym.drawing.palette import BLACK, GRAY, LIGHT_GRAY
+from prp_gym.palette import BLACK, GRAY, LIGHT_GRAY
 from prp_gym.robot.arrays import Array
 
 if TYPE_CHECKING:

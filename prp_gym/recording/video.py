@@ -80,8 +80,8 @@ class Video:
             yield composer.compose(sides)
 
 
-def default_output(environment_id: str, names: Sequence[str], scenario: str, seed: int) -> Path:
-    """Name of a video that says what it shows.
+def video_name(environment_id: str, names: Sequence[str], scenario: str, seed: int) -> Path:
+    """File name of a video that says what it shows.
 
     Args:
         environment_id: Id of the environment.

@@ -1,4 +1,4 @@
-"""Figures of the recorded runs as PNG, and their data as CSV."""
+"""Figures of the recorded runs, and their data as CSV."""
 
 import csv
 import io
@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from prp_gym.drawing.palette import (
+from prp_gym.figures.figure_file import new_figure
+from prp_gym.palette import (
     BLACK,
     BLUE,
     BLUISH_GREEN,
@@ -28,16 +29,17 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
+    from prp_gym.figures.notebook_figure import NotebookFigure
+
 _SIZE = (10.0, 7.0)  # inches
-_DPI = 100
 COLORS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE)
 """Colours of the runs of a figure in their order; a figure cannot have more runs."""
-
-_RUN_LINES = ("-", (0, (8, 1, 1, 1)), (0, (4, 1)), (0, (6, 1, 1, 1, 1, 1)))
 
 REFERENCE_LABEL = "reference"
 """Label of the reference in legends and data; no run may have the same."""
 
+_MARKERS = ("", "s", "^", "D")  # of the runs in their order; the first one is also the thickest
+_MARKERS_OF_A_CURVE = 7  # markers of a curve
 _REFERENCE = BLACK
 _PREDICTED = ORANGE
 _LEVEL = GRAY
@@ -130,14 +132,10 @@ def _predicted(outcome: FigureOutcome, panel: Panel, component: int) -> list[tup
     return found
 
 
-def draw(outcome: FigureOutcome) -> bytes:
-    """The figure as a PNG of 1000 x 700 pixels."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # on use: the package stays light
-    from matplotlib.figure import Figure
-
+def draw(outcome: FigureOutcome) -> "NotebookFigure":
+    """The figure, of 1000 x 700 pixels as PNG; runs differ in colour and marker."""
     items = axes_of(outcome)
-    figure = Figure(figsize=_SIZE, dpi=_DPI, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(*_SIZE)
     experiment = outcome.experiment
     figure.suptitle(_with_subscripts(f"Figure {experiment.number}: {experiment.title}"), fontsize=13)
     rows = figure.subplots(len(items), 1, sharex=True, squeeze=False)[:, 0]
@@ -152,9 +150,7 @@ def draw(outcome: FigureOutcome) -> bytes:
     labels = sorted(lines, key=lambda label: label == REFERENCE_LABEL)  # the reference last
     handles = [lines[label] for label in labels]
     figure.legend(handles, labels, loc="outside lower center", ncols=len(labels), frameon=False)
-    target = io.BytesIO()
-    figure.savefig(target, format="png", dpi=_DPI)
-    return target.getvalue()
+    return figure
 
 
 def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str, "Artist"]:
@@ -162,10 +158,11 @@ def _draw_axis(axes: "Axes", item: Axis, colors: Mapping[str, str]) -> dict[str,
     levels = _draw_levels(axes, item)
     lines: dict[str, Artist] = {}
     for index, curve in enumerate(item.curves):  # thin over thick: equal curves are both seen
-        width = 2.6 if index == 0 else 1.7
+        width = 2.6 if index == 0 else 1.2
         color = colors[curve.run]
-        dashes = _RUN_LINES[COLORS.index(color)]
-        (line,) = axes.plot(curve.time, curve.values, color=color, linewidth=width, linestyle=dashes)
+        (line,) = axes.plot(curve.time, curve.values, color=color, linewidth=width, markersize=4)
+        line.set_marker(_MARKERS[COLORS.index(color)])
+        line.set_markevery((COLORS.index(color) * 3, max(1, len(curve.time) // _MARKERS_OF_A_CURVE)))
         lines[_with_subscripts(curve.label)] = line
     for curve in item.reference:
         (line,) = axes.plot(curve.time, curve.values, color=_REFERENCE, linewidth=1.1, linestyle="--")

@@ -7,6 +7,7 @@ from typing import Any
 
 from prp_gym.artifacts import write_file, write_json
 from prp_gym.evaluation.results import describe_run
+from prp_gym.figures.figure_file import write_figure
 from prp_gym.reproduction.experiment import Answer
 from prp_gym.reproduction.figures import draw, table
 from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show, unit_of
@@ -18,14 +19,19 @@ SUMMARY = "summary.json"
 _HIDDEN_SETTINGS = ("model",)
 
 
-def write_figure(folder: Path, outcome: FigureOutcome) -> None:
-    """Write `figure_NN.png` and its data, `figure_NN.csv`.
+def write_data(folder: Path, outcome: FigureOutcome, kind: str) -> None:
+    """Write a figure, such as `figure_NN.png`, and its data, `figure_NN.csv`.
+
+    Args:
+        folder: folder of the files.
+        outcome: figure with its runs and checks.
+        kind: kind of the figure's file: `png`, `svg` or `pdf`.
 
     Raises:
         OutputError: the folder cannot be written to.
     """
     name = _name(outcome)
-    write_file(folder / f"{name}.png", draw(outcome))
+    write_figure(folder / f"{name}.{kind}", draw(outcome))
     write_file(folder / f"{name}.csv", table(outcome).encode())
 
 
@@ -98,7 +104,9 @@ def _settings(recorded: RecordedRun) -> Mapping[str, Any]:
     return {name: value for name, value in recorded.settings.items() if name not in _HIDDEN_SETTINGS}
 
 
-def write_index(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answers, command: str) -> None:
+def write_index(
+    folder: Path, outcomes: Sequence[FigureOutcome], answers: Answers, command: str, kind: str
+) -> None:
     """Write `index.md`: the answers, then every figure with its runs, checks and explanations.
 
     Raises:
@@ -108,7 +116,7 @@ def write_index(folder: Path, outcomes: Sequence[FigureOutcome], answers: Answer
     if answers:
         parts.append("## Answers\n")
         parts += [f"**{answer.question} {answer.asks}** {text}\n" for answer, text in answers]
-    parts += [_section(outcome) for outcome in outcomes]
+    parts += [_section(outcome, kind) for outcome in outcomes]
     write_file(folder / "index.md", "\n".join(parts).encode())
 
 
@@ -118,11 +126,11 @@ def _counts(outcomes: Sequence[FigureOutcome]) -> str:
     return f"{len(outcomes)} figures, {len(words)} checks: {counts}.\n"
 
 
-def _section(outcome: FigureOutcome) -> str:
+def _section(outcome: FigureOutcome, kind: str) -> str:
     experiment, name = outcome.experiment, _name(outcome)
     parts = [
         f"## Figure {experiment.number}: {experiment.title}\n",
-        f"![Figure {experiment.number}]({name}.png)\n",
+        f"![Figure {experiment.number}]({name}.{kind})\n",
         f"Section {experiment.section} of the report; data: [{name}.csv]({name}.csv).\n",
         *(_setup(recorded) for recorded in outcome.recorded.values()),
         "",

@@ -1,48 +1,55 @@
-"""Verdicts and answers as tables for the terminal."""
+"""Verdicts and answers as tables."""
 
 from collections.abc import Sequence
 
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
-
 from prp_gym.reproduction.experiment import Answer
-from prp_gym.reproduction.outcome import FigureOutcome, show, unit_of
+from prp_gym.reproduction.outcome import FigureOutcome, Verdict, show, unit_of
+from prp_gym.robot.arrays import Array
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import prose_column, text_column
 
-_STYLES = {"pass": "green", "explained": "yellow", "FAIL": "bold red"}
+_TONES = {"pass": "good", "explained": "warning", "FAIL": "bad"}
 
 
-def _table(title: str) -> Table:
-    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-
-
-def verdict_table(outcomes: Sequence[FigureOutcome]) -> Table:
+def verdict_table(outcomes: Sequence[FigureOutcome]) -> ResultTable:
     """Every check of some figures."""
-    table = _table("predicted and measured")
-    for header in ("figure", "question"):
-        table.add_column(header, justify="right", no_wrap=True)
-    for header, width in (("quantity", 30), ("predicted", 21), ("measured", 20), ("tolerance", 11)):
-        table.add_column(header, max_width=width, overflow="fold")
-    table.add_column("verdict", no_wrap=True)
-    for outcome in outcomes:
-        for index, verdict in enumerate(outcome.verdicts):
-            check = verdict.check
-            table.add_row(
-                "" if index else str(outcome.experiment.number),
-                check.question,
-                f"{check.what} \\[{unit_of(check)}]",
-                show(verdict.predicted),
-                show(verdict.measured),
-                show(verdict.tolerance, digits=2),
-                f"[{_STYLES[verdict.word]}]{verdict.word}[/]",
-            )
-    return table
+    columns = (
+        *(
+            TableColumn("figure"),
+            TableColumn("question"),
+            text_column("quantity", 28),
+            text_column("unit", 8),
+        ),
+        *(text_column("predicted", 17), text_column("measured", 16), text_column("tolerance", 11)),
+        text_column("verdict"),
+    )
+    rows = [
+        _check(outcome.experiment.number, verdict, first=index == 0)
+        for outcome in outcomes
+        for index, verdict in enumerate(outcome.verdicts)
+    ]
+    return ResultTable.of("predicted and measured", columns, rows)
 
 
-def answers_table(answers: Sequence[tuple[Answer, str]]) -> Table:
+def _check(figure: int, verdict: Verdict, first: bool) -> tuple[Cell | str, ...]:
+    """One line; people see the number of the figure beside its first check alone."""
+    check = verdict.check
+    return (
+        *(Cell(str(figure) if first else "", figure), check.question, check.what, unit_of(check)),
+        *(_numbers(verdict.predicted), _numbers(verdict.measured), _numbers(verdict.tolerance, digits=2)),
+        Cell(verdict.word, verdict.word, _TONES[verdict.word]),
+    )
+
+
+def _numbers(values: Array, digits: int = 4) -> Cell:
+    """Numbers, equal ones shown once, as a text, since checks differ in how many they have."""
+    text = show(values, digits)
+    return Cell(text, text)
+
+
+def answers_table(answers: Sequence[tuple[Answer, str]]) -> ResultTable:
     """The report's questions with their answers."""
-    table = _table("answers")
-    table.add_column("question", justify="right")
-    table.add_column("answer", overflow="fold")
-    for answer, text in answers:
-        table.add_row(answer.question, f"{answer.asks}\n{text}".replace("[", "\\["))
-    return table
+    columns = (TableColumn("question"), prose_column("what the report asks"), prose_column("answer"))
+    return ResultTable.of(
+        "answers", columns, [(answer.question, answer.asks, text) for answer, text in answers]
+    )

@@ -1,8 +1,8 @@
 """What a job is: a policy on an environment in a scenario, evaluated in any process."""
 
 import platform
-from collections.abc import Mapping
-from dataclasses import Field, dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import Field, asdict, dataclass
 from typing import Any, ClassVar, Protocol
 
 from prp_gym.artifacts import to_plain
@@ -101,3 +101,12 @@ def make_record(
 def task_revision(environment_id: str) -> int:
     """Revision of the behaviour of a task; 1 for a task that is not declared."""
     return TASKS[environment_id].revision if environment_id in TASKS else 1
+
+
+def describe_jobs(jobs: Iterable[Job]) -> list[list[Any]]:
+    """All that the results of some jobs depend on, without the code, as plain values.
+
+    Args:
+        jobs: jobs of a command.
+    """
+    return [[type(job).__name__, to_plain(asdict(job))] for job in jobs]

@@ -168,7 +168,7 @@ def test_list_tells_which_controller_runs_where_and_why_not() -> None:
     assert "…" not in output
     assert max(map(len, output.splitlines())) <= WIDTH
     for controller in BASELINES:  # a name's parts stand below each other
-        assert set(controller.split("_")) <= set(output.split())
+        assert set(controller.split("_")) <= set(output.replace("_", " ").split())
     rows: dict[str, list[str]] = {}
     for first, *cells in (line.split() for line in output.splitlines() if line.strip()):
         if {"yes", "-"} >= set(cells):  # further controllers stand in a second table
@@ -219,7 +219,9 @@ def test_program_evaluates_and_keeps_progress_off_standard_output(tmp_path: Path
     )
     assert [controller for controller in controllers_of(SMALLEST) if controller not in done.stdout] == []
     assert done.stdout.startswith(f"{SMALLEST}, scenario report")
-    assert results_of(tmp_path / "results")["command"] == f"prp-gym {' '.join(options)}"
+    assert (
+        results_of(tmp_path / "results" / "evaluate" / "latest")["command"] == f"prp-gym {' '.join(options)}"
+    )
 
 
 def test_program_refuses_with_exit_code_two_and_no_traceback(tmp_path: Path) -> None:

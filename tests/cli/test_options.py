@@ -17,6 +17,7 @@ SHORT = {
     "--scenario": "-s",
     "--episodes": "-n",
     "--agent": "-a",
+    "--format": "-f",
     "--gains": "-g",
     "--action-mode": "-m",
     "--output": "-o",
@@ -29,7 +30,8 @@ SHORT = {
 TAKE_UP = ("audit", "compare", "evaluate", "train", "tune", "tune-all")
 """Commands that keep what is finished when they are interrupted, and go on with it."""
 
-COMPUTE = (*TAKE_UP, "reproduce", "ship")
+ONE_PROCESS = ("plot", "record", "reproduce", "tune")
+COMPUTE = (*TAKE_UP, "plot", "record", "reproduce", "ship")
 
 
 def options(command: str) -> list[Any]:
@@ -84,4 +86,4 @@ def test_command_that_takes_up_an_interrupted_run_does_so_unless_told_to_start_o
 @pytest.mark.parametrize("command", COMPUTE)
 def test_command_that_computes_has_the_options_of_all_that_do(command: str) -> None:
     assert {"--output", "--plugin", "--quiet", "--json"} <= names(command)
-    assert ({"--jobs", "--backend"} <= names(command)) is (command not in ("reproduce", "tune"))
+    assert ({"--jobs", "--backend"} <= names(command)) is (command not in ONE_PROCESS)

@@ -19,6 +19,7 @@ import prp_gym.cli.reproduce as command_module
 from prp_gym.cli.main import app, main
 from prp_gym.reproduction import load_catalogue
 from prp_gym.reproduction.catalogue import Catalogue, read_catalogue
+from prp_gym.reproduction.figures import COLORS
 from prp_gym.reproduction.run import record_run
 
 RUNNER = CliRunner()
@@ -71,7 +72,8 @@ def test_figure_is_legible_and_not_empty(reproduced: tuple[Path, int, str], name
     with Image.open(reproduced[0] / f"{name}.png") as frame:
         assert frame.size == (1000, 700)
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
-    blue = (np.abs(pixels - [11, 95, 165]) < 10).all(axis=-1)  # the subject's colour
+    first = [int(COLORS[0][at : at + 2], 16) for at in (1, 3, 5)]  # the subject's colour
+    blue = (np.abs(pixels - first) < 10).all(axis=-1)
     assert blue.sum() > 500
     border = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
     assert (border == 255).all()  # nothing is cut off at the edge

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from PIL import Image
 from rich.console import Console
-from rich.table import Table
 
 from prp_gym.comparison.learning_plots import draw_learning
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.plots import draw_compute, draw_profiles, draw_scores
 from prp_gym.comparison.table import aggregate_table, condition_table, pairwise_table
+from prp_gym.figures.figure_file import figure_content
+from prp_gym.tables import ResultTable
 from tests.support.synthetic_comparison import agents, learning, record
 
 UNKNOWN = "PRP-Unknown-v0"
@@ -37,7 +38,7 @@ RECORDS: dict[str, list[dict[str, Any]]] = {
 }
 
 
-def text_of(table: Table) -> str:
+def text_of(table: ResultTable) -> str:
     target = io.StringIO()
     Console(file=target, width=120, color_system=None).print(table)
     return target.getvalue()
@@ -76,6 +77,6 @@ def test_every_plot_can_be_drawn(name: str) -> None:
     if outcome.learned:
         frames.append(draw_learning(outcome.conditions))
     for frame in frames:
-        with Image.open(io.BytesIO(frame)) as image:
+        with Image.open(io.BytesIO(figure_content(frame, ".png"))) as image:
             assert image.width >= 600
             assert len(image.convert("RGB").getcolors(2**24) or []) > 1  # not blank

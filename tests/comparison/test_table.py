@@ -5,17 +5,16 @@ import io
 import numpy as np
 import pytest
 from rich.console import Console
-from rich.table import Table
 
 from prp_gym.comparison.outcome import Outcome
 from prp_gym.comparison.table import (
     aggregate_table,
     condition_table,
     effort_table,
-    fold,
     pairwise_table,
     spread_table,
 )
+from prp_gym.tables import ResultTable
 from tests.support.synthetic_comparison import agents, learning, record
 
 WIDTH = 120
@@ -24,15 +23,15 @@ ID = "PRP-JointRegulation-v0"
 SCORES = np.linspace(0.5, 0.9, 9)
 
 
-def printed(table: Table) -> str:
+def printed(table: ResultTable, width: int = WIDTH) -> str:
     target = io.StringIO()
-    Console(file=target, width=WIDTH, color_system=None).print(table)
+    Console(file=target, width=width, color_system=None).print(table)
     text = target.getvalue()
     assert "…" not in text
     return text
 
 
-def cells(table: Table, name: str) -> list[str]:
+def cells(table: ResultTable, name: str) -> list[str]:
     """Words of the only line that has a name."""
     (line,) = (line for line in printed(table).splitlines() if name in line)
     return line.split()
@@ -74,12 +73,34 @@ def test_median_is_over_training_seeds_and_episodes() -> None:
 
 
 def test_pairwise_comparison_takes_two_lines(outcome: Outcome) -> None:
-    lines = printed(pairwise_table(outcome.pairwise_comparisons)).splitlines()
-    (controller,) = (line.split() for line in lines if " 0.750" in line)
-    (agent,) = (line.split() for line in lines if " -0.250" in line)
-    assert controller[:3] == ["JointRegulation", LONG, "0.750"]
+    table = pairwise_table(outcome.pairwise_comparisons)
+    lines = printed(table).splitlines()
+    (controller,) = (line.split() for line in lines if " 0.750 " in line)
+    (agent,) = (line.split() for line in lines if " -0.250 " in line)
+    assert [controller[:2], controller[-2]] == [["JointRegulation", "randomized"], "0.750"]
     assert (agent[-8], agent[-6]) == ("0.500", "-0.250")
     assert agent[-3:] == ["0.00", "yes", "controller"]
+    one, other = table.records
+    assert one["environment"] == other["environment"] == ID
+    assert one["best_controller_then_best_agent"] == LONG
+    assert other["agent_minus_controller"] == pytest.approx(-0.25, abs=1e-12)
+    assert one["better"] is None
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_no_table_is_cut_off_in_a_narrow_terminal(outcome: Outcome, width: int) -> None:
+    tables = (
+        pairwise_table(outcome.pairwise_comparisons),
+        *(spread_table(outcome.conditions), aggregate_table(outcome.aggregates)),
+        *(effort_table(outcome.efforts), condition_table(outcome.conditions[0], 0)),
+    )
+    for table in tables:
+        lines = printed(table, width).splitlines()
+        assert max(map(len, lines)) <= width
+        numbers = [
+            row[index].text for row in table.rows for index in range(len(row)) if table.columns[index].numeric
+        ]
+        assert all(number in " ".join(lines) for number in numbers)
 
 
 def test_spread_is_median_and_range(outcome: Outcome) -> None:
@@ -97,9 +118,3 @@ def test_effort_that_never_arrived_and_large_numbers_are_readable(outcome: Outco
 def test_aggregate_is_shown_beside_the_best_controller_on_the_same_tasks(outcome: Outcome) -> None:
     line = cells(aggregate_table(outcome.aggregates), "best agent")
     assert (line[-4:-2], line[-1]) == (["1", "0.500"], "0.750")
-
-
-def test_long_name_is_broken_where_it_may() -> None:
-    assert fold("joint_pd") == "joint_pd"
-    assert fold(f"{LONG} (report)") == f"{LONG}\n(report)"
-    assert fold("a" * 30 + "_b", 28) == "a" * 28 + "\naa_b"

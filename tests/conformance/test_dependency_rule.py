@@ -21,7 +21,7 @@ PACKAGES = {
 
 CORE_PACKAGES = (
     *("errors", "nearest", "extras", "checks", "registry", "artifacts", "files", "plugins", "processes"),
-    *("robot", "drawing", "physics", "tasks", "evaluation"),
+    *("robot", "palette", "drawing", "physics", "tasks", "tables", "figures", "evaluation"),
 )
 """They import each other alone."""
 
@@ -34,7 +34,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "reproduction": ("baselines",),
     "console": (),
     "runs": ("envs", "baselines", "agents", "tuning", "console"),
-    "recording": ("envs", "baselines", "agents", "runs"),
+    "recording": ("envs", "runs"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
     "cli": (
         *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction"),
@@ -48,14 +48,15 @@ BARE_NAMES = {name for name in PACKAGES if name != "prp_gym"}
 PACKAGE_NAMES = {*CORE_PACKAGES, *MAY_IMPORT}
 THIRD_PARTY = {"gymnasium", "numpy", "mujoco"}
 MORE_THIRD_PARTY = {
-    "cli": {"rich", "typer"},
-    "comparison": {"matplotlib", "rich"},
+    "cli": {"typer"},
+    "comparison": {"matplotlib"},
     "console": {"rich"},
-    "evaluation": {"rich"},
+    "figures": {"matplotlib"},
     "files": {"yaml"},
     "recording": {"PIL", "imageio_ffmpeg"},
-    "reproduction": {"matplotlib", "rich"},
-    "runs": {"cloudpickle", "joblib", "ray", "rich"},
+    "reproduction": {"matplotlib"},
+    "runs": {"cloudpickle", "joblib", "ray"},
+    "tables": {"pandas", "rich"},
     "tuning": {"optuna"},
 }
 
@@ -137,7 +138,7 @@ def test_every_package_is_in_the_table() -> None:
 def test_loose_modules_are_few() -> None:
     loose = {module for module in MODULES if module.count(".") == 1 and MODULES[module].name != "__init__.py"}
     assert {package(module) for module in loose} == {
-        *("artifacts", "checks", "errors", "extras", "nearest", "plugins", "registry"),
+        *("artifacts", "checks", "errors", "extras", "nearest", "palette", "plugins", "registry"),
     }
 
 
@@ -222,7 +223,8 @@ def test_checker_sees_a_violation(module: str, source: str, culprit: str) -> Non
             "prp_gym.cli.main",
             "import typer\nfrom prp_gym.baselines import policy",
         ),
-        ("prp_gym.evaluation.table", "from rich.table import Table"),
+        ("prp_gym.tables.terminal", "from rich.table import Table"),
+        ("prp_gym.figures.episode_figure", "def draw():\n    from matplotlib.lines import Line2D"),
         ("prp_gym.action_modes.x", "import prp_gym.envs.action_mode\nimport prp_gym.baselines.registry"),
         ("prp_gym.reproduction.run", "from prp_gym.baselines import make_baseline\nimport gymnasium"),
         ("prp_gym.reproduction.figures", "def draw():\n    from matplotlib.figure import Figure"),

@@ -4,11 +4,13 @@ import json
 import math
 
 import pytest
-from rich.table import Table
 
 from prp_gym.console.lines import Lines
 from prp_gym.console.silence import Silence
 from prp_gym.console.terminal import Terminal
+from prp_gym.errors import InvalidValueError
+from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.column import text_column
 
 
 @pytest.fixture(autouse=True)
@@ -18,23 +20,28 @@ def no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.delenv(name, raising=False)
 
 
+TABLE = ResultTable.of(
+    "numbers", (text_column("header"), TableColumn("time", ("µs",))), [("cell", Cell.number(1.0))]
+)
+
+
 def write_all(terminal: Terminal) -> None:
-    table = Table("header")
-    table.add_row("cell")
     terminal.note("a note")
     terminal.warn("a warning")
-    terminal.document({"value": math.nan, "unit": "µs"})
-    terminal.show(table, "results: here")
-    terminal.explain("an explanation [1]")
+    terminal.report({"value": math.nan, "unit": "µs"}, [TABLE], ["an explanation [1]"], ["results: here"])
 
 
 @pytest.mark.parametrize(
     ("terminal", "written", "told"),
     [
-        (Terminal(), ("header", "cell", "results: here", "an explanation [1]"), ("a note", "a warning")),
-        (Terminal(quiet=True), ("header", "cell", "results: here"), ("a warning",)),
-        (Terminal(as_json=True), (), ("a note", "a warning")),
-        (Terminal(quiet=True, as_json=True), (), ("a warning",)),
+        (Terminal(), ("numbers", "cell", "an explanation [1]", "results: here"), ("a note", "a warning")),
+        (Terminal(quiet=True), ("numbers", "cell", "results: here"), ("a warning",)),
+        (
+            Terminal(form="md"),
+            ("**numbers**", "| cell | 1.000 |"),
+            ("a note", "a warning", "an explanation [1]", "results: here"),
+        ),
+        (Terminal(form="csv", quiet=True), ("header,time [µs]", "cell,1.0"), ("a warning",)),
     ],
 )
 def test_results_and_notes_go_where_they_belong(
@@ -43,11 +50,26 @@ def test_results_and_notes_go_where_they_belong(
     write_all(terminal)
     output, errors = capsys.readouterr()
     assert errors.splitlines() == list(told)
-    if terminal.as_json:
-        assert json.loads(output) == {"value": None, "unit": "µs"}
-    else:
-        assert all(text in output for text in written)
-        assert ("explanation" in output) is not terminal.quiet
+    assert all(text in output for text in written)
+    assert ("explanation" in output) is ("an explanation [1]" in written)
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_json_is_one_document_with_the_results_and_their_tables(
+    quiet: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_all(Terminal.of(quiet, as_json=True))
+    output, errors = capsys.readouterr()
+    found = json.loads(output)
+    assert (found["value"], found["unit"]) == (None, "µs")
+    assert [table["rows"] for table in found["tables"]] == [TABLE.records]
+    assert ("results: here" in errors) is not quiet
+
+
+def test_json_and_another_form_are_refused() -> None:
+    assert Terminal.of(False, True, "json") == Terminal(form="json")
+    with pytest.raises(InvalidValueError, match="--format is 'csv'; allowed: not beside --json"):
+        Terminal.of(quiet=False, as_json=True, form="csv")
 
 
 def test_progress_without_a_terminal_is_lines_and_nothing_if_quiet() -> None:
@@ -64,5 +86,5 @@ def test_width_without_a_terminal_is_that_of_columns(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    Terminal().show("word " * 100)
+    Terminal().report({}, lines=["word " * 100])
     assert 70 < max(map(len, capsys.readouterr().out.splitlines())) <= 80

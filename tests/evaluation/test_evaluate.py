@@ -165,6 +165,7 @@ def fabricated(*positions: float, still: bool = True) -> Evaluation:
             {"cost_saturation": np.zeros(2), "cost_joint_stop": np.zeros(2)},
             False,
             np.full(2, 1e-5 * (seed + 1)),
+            np.full(3, 100.0),
         )
         episodes.append(episode)
     return Evaluation(episodes, 0)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from prp_gym.drawing.palette import rgb
+from prp_gym.figures.figure_file import figure_content
+from prp_gym.palette import rgb
 from prp_gym.reproduction import FigureOutcome, Level, Panel, RecordedRun, Verdict, load_catalogue
 from prp_gym.reproduction.figures import COLORS, axes_of, draw, table
 from tests.support.synthetic_rollout import rollout_of
@@ -78,7 +79,7 @@ def test_table_leaves_cells_empty_where_a_curve_has_no_value() -> None:
 @pytest.mark.parametrize("count", [1, 4])
 def test_figure_has_one_size_whatever_it_shows(count: int) -> None:
     panels = [Panel("joint_position", (0,), ("a", "b"), limits=(-1.0, 1.0))] * count
-    with Image.open(io.BytesIO(draw(outcome(*panels)))) as frame:
+    with Image.open(io.BytesIO(figure_content(draw(outcome(*panels)), ".png"))) as frame:
         assert frame.size == (1000, 700)
 
 
@@ -87,7 +88,7 @@ def test_as_many_runs_as_there_are_colours_are_told_apart() -> None:
     item = outcome(Panel("joint_position", (0,), names))
     runs = {name: recorded(name, index - 1.5) for index, name in enumerate(names)}
     full = replace(item, recorded=runs)
-    with Image.open(io.BytesIO(draw(full))) as frame:
+    with Image.open(io.BytesIO(figure_content(draw(full), ".png"))) as frame:
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
     for color in COLORS:
         assert (np.abs(pixels - rgb(color)) < 20).all(axis=-1).sum() > 300
@@ -96,13 +97,23 @@ def test_as_many_runs_as_there_are_colours_are_told_apart() -> None:
 
 def test_runs_keep_their_colour_in_every_axes() -> None:
     panels = (Panel("joint_position", (0,), ("a",)), Panel("joint_position", (0,), ("b",)))
-    with Image.open(io.BytesIO(draw(outcome(*panels)))) as frame:
+    with Image.open(io.BytesIO(figure_content(draw(outcome(*panels)), ".png"))) as frame:
         pixels = np.asarray(frame.convert("RGB"), dtype=np.int64)
-    blue, orange = (
+    first, second = (
         (np.abs(pixels - color) < 20).all(axis=-1)[:640]  # without the legend
         for color in (rgb(COLORS[0]), rgb(COLORS[1]))
     )
-    assert blue[:310].sum() > 500
-    assert blue[340:].sum() == 0
-    assert orange[340:].sum() > 500
-    assert orange[:310].sum() == 0
+    assert first[:310].sum() > 500
+    assert first[340:].sum() == 0
+    assert second[340:].sum() > 500
+    assert second[:310].sum() == 0
+
+
+def test_runs_differ_in_more_than_their_colour() -> None:
+    names = tuple("abcdefgh"[: len(COLORS)])
+    item = replace(
+        outcome(Panel("joint_position", (0,), names)), recorded={name: recorded(name, 1.0) for name in names}
+    )
+    (axes,) = draw(item).axes
+    cues = [(line.get_marker(), line.get_linewidth()) for line in axes.get_lines()]
+    assert len(set(cues)) == len(COLORS)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-EXTRAS = ("agents", "ray", "test", "tune", "video")
+EXTRAS = ("agents", "pandas", "ray", "test", "tune", "video")
 LEFT_OUT = ("pin", "prp-gym")
 
 

@@ -61,6 +61,7 @@ def make_rollout(fields: Mapping[str, Array], joints: int = 3, **changes: Any) -
         },
         "diverged": False,
         "compute_time": np.full(steps, 1e-5),
+        "torque_limit": np.array([300.0, 800.0, 150.0])[:joints],
     }
     return Rollout(**{**content, **changes})
 

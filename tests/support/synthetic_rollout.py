@@ -27,4 +27,5 @@ def rollout_of(fields: dict[str, ArrayLike], torque: ArrayLike | None = None) ->
         info={},
         diverged=False,
         compute_time=np.zeros(steps),
+        torque_limit=np.array([300.0, 800.0, 150.0]),
     )

@@ -120,7 +120,7 @@ register_metric(
         "share of joints and steps at or beyond the actuator limit",
         ("cost_saturation",),
         lambda r: _share(r, "cost_saturation"),
-        Presentation(EFFORT, Column("satu-\nrated", ("%",))),
+        Presentation(EFFORT, Column("torque satu\u00adrated", ("%",))),
     )
 )
 register_metric(

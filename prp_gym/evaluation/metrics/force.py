@@ -175,7 +175,7 @@ register_metric(
         "root mean square of the force error along the desired force",
         _FIELDS,
         lambda r: root_mean_square_error(*along_desired(*_forces(r))),
-        Presentation(DESIRED_FORCE, Column("force\nRMSE", ("N",)), "root mean square tracking error"),
+        Presentation(DESIRED_FORCE, Column("force RMSE", ("N",)), "root mean square tracking error"),
     )
 )
 register_metric(
@@ -205,7 +205,7 @@ register_metric(
         "mean over the last tenth of the desired force less the force along it; where it is constant there",
         _FIELDS,
         lambda r: steady_state_error(*along_desired(*_forces(r))),
-        Presentation(DESIRED_FORCE, Column("final\nforce\nerror", ("N",)), "steady-state error"),
+        Presentation(DESIRED_FORCE, Column("final force error", ("N",)), "steady-state error"),
     )
 )
 register_metric(
@@ -217,7 +217,7 @@ register_metric(
         _FIELDS,
         lambda r: force_settling_time(r.time, *_forces(r)),
         Presentation(
-            DESIRED_FORCE, Column("force\nset-\ntling\ntime", ("s",)), "settling time of a step response"
+            DESIRED_FORCE, Column("force set\u00adtling time", ("s",)), "settling time of a step response"
         ),
     )
 )
@@ -238,7 +238,7 @@ register_metric(
         "largest norm of the contact force, as a share of the desired force; constant desired forces",
         _FIELDS,
         lambda r: peak_force_ratio(*_forces(r)),
-        Presentation(DESIRED_FORCE, Column("peak\nforce", ("%",))),
+        Presentation(DESIRED_FORCE, Column("force over\u00adshoot", ("%",))),
     )
 )
 
@@ -249,7 +249,7 @@ register_metric(
         "largest norm of the contact force",
         ("contact_force",),
         lambda r: peak_force(r.fields["contact_force"]),
-        Presentation(CONTACT, Column("peak\nforce", ("N",))),
+        Presentation(CONTACT, Column("peak force", ("N",))),
     )
 )
 register_metric(
@@ -260,7 +260,7 @@ register_metric(
         " intended retreats",
         ("contact_force",),
         lambda r: contact_losses(r.fields["contact_force"]),
-        Presentation(CONTACT, Column("con-\ntact\nlost", ("1",))),
+        Presentation(CONTACT, Column("con\u00adtacts lost", ("1",))),
     )
 )
 register_metric(
@@ -283,7 +283,7 @@ register_metric(
         ("contact_force", "desired_velocity", "end_effector_velocity", "model_pose"),
         lambda r: _injected_energy(r),
         Presentation(
-            CONTACT, Column("in-\njected\nenergy", ("mJ",), 1e3), "passivity observer (Hannaford 2002)"
+            CONTACT, Column("in\u00adjected energy", ("mJ",), 1e3), "passivity observer (Hannaford 2002)"
         ),
         revision=2,
     )

@@ -124,7 +124,7 @@ register_metric(
         "when every joint is within 2 % of its step (at least 2 mrad, 0.2 mm) for good; constant references",
         _FIELDS,
         lambda r: settling_time(r.time, *_joints(r)),
-        Presentation(JOINT_MOTION, Column("set-\ntling\ntime", ("s",)), "settling time of a step response"),
+        Presentation(JOINT_MOTION, Column("set\u00adtling time", ("s",)), "settling time of a step response"),
     )
 )
 register_metric(
@@ -136,7 +136,7 @@ register_metric(
         " 2 mrad, 0.2 mm; constant references",
         _FIELDS,
         lambda r: overshoot(*_joints(r)),
-        Presentation(JOINT_MOTION, Column("over-\nshoot", ("%",)), "overshoot of a step response"),
+        Presentation(JOINT_MOTION, Column("over\u00adshoot", ("%",)), "overshoot of a step response"),
         revision=2,
     )
 )
@@ -148,7 +148,7 @@ register_metric(
         _FIELDS,
         lambda r: steady_state_error(*_joints(r)),
         Presentation(
-            JOINT_MOTION, Column("steady-state\nerror", ("mrad", "mm", "mrad"), 1e3), "steady-state error"
+            JOINT_MOTION, Column("steady-state error", ("mrad", "mm", "mrad"), 1e3), "steady-state error"
         ),
     )
 )

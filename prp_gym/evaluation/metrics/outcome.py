@@ -59,7 +59,7 @@ register_metric(
         "when the responses are within the task's tolerances for good, at least over the last tenth",
         (),
         response_settling_time,
-        Presentation(OUTCOME, Column("set-\ntling\ntime", ("s",)), "settling time"),
+        Presentation(OUTCOME, Column("set\u00adtling time", ("s",)), "settling time"),
     )
 )
 register_metric(

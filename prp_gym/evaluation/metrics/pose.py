@@ -112,7 +112,7 @@ register_metric(
         "root mean square of the tip's distance to the desired position",
         _FIELDS,
         lambda r: root_mean_square_distance(*_positions(r)),
-        Presentation(TIP_MOTION, Column("position\nRMSE", ("mm",), 1e3), "root mean square tracking error"),
+        Presentation(TIP_MOTION, Column("position RMSE", ("mm",), 1e3), "root mean square tracking error"),
     )
 )
 register_metric(
@@ -142,7 +142,7 @@ register_metric(
         "root mean square of the norm of the errors of α and β",
         _FIELDS,
         lambda r: root_mean_square_distance(*_orientations(r)),
-        Presentation(TIP_MOTION, Column("angle\nRMSE", ("mrad",), 1e3), "root mean square tracking error"),
+        Presentation(TIP_MOTION, Column("angle RMSE", ("mrad",), 1e3), "root mean square tracking error"),
     )
 )
 register_metric(
@@ -178,7 +178,7 @@ register_metric(
         lambda r: position_settling_time(r.time, *_positions(r)),
         Presentation(
             TIP_MOTION,
-            Column("set-\ntling\ntime", ("s",)),
+            Column("set\u00adtling time", ("s",)),
             "position stabilization time (ISO 9283), with the band of step responses",
         ),
     )
@@ -193,7 +193,7 @@ register_metric(
         lambda r: position_overshoot(*_positions(r)),
         Presentation(
             TIP_MOTION,
-            Column("over-\nshoot", ("%",)),
+            Column("over\u00adshoot", ("%",)),
             "position overshoot (ISO 9283), as a share of the distance",
         ),
     )
@@ -207,7 +207,7 @@ register_metric(
         lambda r: position_steady_state_error(*_positions(r)),
         Presentation(
             TIP_MOTION,
-            Column("steady-\nstate\nerror", ("mm",), 1e3),
+            Column("steady-state error", ("mm",), 1e3),
             "positioning accuracy (ISO 9283), with a mean over time instead of over repetitions",
         ),
     )
@@ -220,7 +220,9 @@ register_metric(
         "root mean square of the tip's distance to the reference model that the contact force drives",
         _MODEL_FIELDS,
         lambda r: root_mean_square_distance(*_poses(r, "model_pose", _POSITION)),
-        Presentation(REFERENCE_MODEL, Column("model\nerror", ("mm",), 1e3), "model-following error"),
+        Presentation(
+            REFERENCE_MODEL, Column("error to model, position", ("mm",), 1e3), "model-following error"
+        ),
     )
 )
 register_metric(
@@ -230,7 +232,9 @@ register_metric(
         "root mean square of the norm of the differences in α and β to the reference model",
         _MODEL_FIELDS,
         lambda r: root_mean_square_distance(*_poses(r, "model_pose", _ORIENTATION)),
-        Presentation(REFERENCE_MODEL, Column("model\nerror", ("mrad",), 1e3), "model-following error"),
+        Presentation(
+            REFERENCE_MODEL, Column("error to model, angles", ("mrad",), 1e3), "model-following error"
+        ),
     )
 )
 register_metric(

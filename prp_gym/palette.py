@@ -2,7 +2,7 @@
 
 Every use has a second cue beside its colour: a line style, a marker or a shape.
 
-Source: M. Okabe, K. Ito, Color Universal Design, 2008.
+Source: Okabe 2008.
 """
 
 from typing import NamedTuple
@@ -18,6 +18,9 @@ YELLOW = "#F0E442"
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
 REDDISH_PURPLE = "#CC79A7"
+PALETTE = (BLACK, ORANGE, SKY_BLUE, BLUISH_GREEN, YELLOW, BLUE, VERMILLION, REDDISH_PURPLE)
+"""All colours, in the order of their authors."""
+
 GRAY = "#777777"
 LIGHT_GRAY = "#DDDDDD"
 

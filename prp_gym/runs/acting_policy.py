@@ -1,6 +1,9 @@
-"""`ActingPolicy`: a controller or an agent in an environment that is drawn, by its name."""
+"""`ActingPolicy`: a controller or an agent in an environment that is made for it, by its name."""
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -23,13 +26,15 @@ class ActingPolicy:
 
     Attributes:
         name: Name of the policy.
-        env: Environment that is drawn; to be closed by the caller.
+        env: Environment of the policy, to be closed by the caller.
         policy: Policy for that environment.
+        reported: Makes a context in which an error of a user's own code is reported with its line.
     """
 
     name: str
     env: gymnasium.Env[Any, Any]
     policy: Policy
+    reported: Callable[[], AbstractContextManager[None]] = nullcontext
 
     @classmethod
     def of_controller(
@@ -41,7 +46,7 @@ class ActingPolicy:
             name: Name of the controller.
             gains: Gains of the controller.
             environment_id: Id of the environment.
-            keywords: Keywords of the environment, among them those of its frames.
+            keywords: Keywords of the environment, among them its scenario.
 
         Raises:
             PRPError: a name, gains or keywords that are refused.
@@ -54,7 +59,7 @@ class ActingPolicy:
             env.close()
             raise
         label = name if gains.name == TUNED and not gains.settings else f"{name} ({_described(gains)})"
-        return cls(label, env, policy)
+        return cls(label, env, policy, partial(selected.controllers.reported, selected.choices[0], env))
 
     @classmethod
     def of_agent(cls, name: str, environment_id: str, keywords: dict[str, Any]) -> Self:
@@ -63,7 +68,7 @@ class ActingPolicy:
         Args:
             name: Name of a shipped agent, or path of an agent's files.
             environment_id: Id of the environment; the agent's must be of the same task.
-            keywords: Keywords of the environment, among them those of its frames.
+            keywords: Keywords of the environment, among them its scenario.
 
         Raises:
             PRPError: a name or keywords that are refused, or an agent of another task.

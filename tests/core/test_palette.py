@@ -5,10 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
-from docs.colour_vision import simulate
-from prp_gym.drawing.palette import (
+from docs.colour_vision import DEUTERANOPIA, simulate
+from prp_gym.palette import (
     FORCE,
     MEASURED,
+    PALETTE,
     REFERENCE,
     SERIES,
     SURFACE,
@@ -18,6 +19,12 @@ from prp_gym.drawing.palette import (
 )
 from prp_gym.robot.arrays import Array
 
+# of linear RGB, protanopia, severity 1. Source: Machado, Oliveira, Fernandes 2009, table 1
+PROTANOPIA = [
+    [0.152286, 1.052583, -0.204868],
+    [0.114503, 0.786281, 0.099216],
+    [-0.003882, -0.048116, 1.051998],
+]
 MEANINGS = (REFERENCE, MEASURED, FORCE, SURFACE)
 
 
@@ -56,3 +63,17 @@ def test_series_beyond_the_palette_differ_from_those_before() -> None:
 def test_numbers_of_a_colour() -> None:
     assert rgb("#D55E00") == (213, 94, 0)
     assert rgba("#FF0080", 0.5) == (1.0, 0.0, 128 / 255, 0.5)
+
+
+def linear(color: str) -> Array:
+    """A colour in linear RGB."""
+    value = np.array(rgb(color)) / 255.0
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def test_colours_differ_for_every_kind_of_colour_vision() -> None:
+    assert len(set(PALETTE)) == 8
+    for matrix in (np.eye(3), np.array(DEUTERANOPIA), np.array(PROTANOPIA)):
+        found = [matrix @ linear(color) for color in PALETTE]
+        nearest = min(float(np.linalg.norm(one - other)) for one, other in itertools.combinations(found, 2))
+        assert nearest > 0.05  # well above a step of 8 bits, 0.004

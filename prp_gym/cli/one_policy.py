@@ -1,0 +1,66 @@
+"""The one policy of a command that runs a single episode: a controller or an agent."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+
+from prp_gym.cli.options import at_most_one
+from prp_gym.errors import InvalidValueError
+from prp_gym.runs.first_controller import first_controller
+
+_OPTIONS = {"gains": "--gains", "settings": "--set", "control_frequency": "--control-frequency"}
+
+
+def name_controller(
+    context: typer.Context, env: str, baseline: Sequence[str] | None, agent: Sequence[Path] | None
+) -> str | None:
+    """The controller that options name, or the first one of the environment; None beside an agent.
+
+    Args:
+        context: command with its options.
+        env: environment id.
+        baseline: values of `--baseline`.
+        agent: values of `--agent`.
+
+    Raises:
+        InvalidValueError: a controller and an agent, several of them, or gains beside an agent.
+    """
+    controller = at_most_one("--baseline", baseline)
+    chosen = name_agent(agent)
+    if chosen is None:
+        return controller or first_controller(env)
+    if controller is not None:
+        raise InvalidValueError("--baseline and --agent", (controller, chosen), "one of the two")
+    refuse(context, ("gains", "settings"))
+    return None
+
+
+def name_agent(agent: Sequence[Path] | None) -> str | None:
+    """The agent that options name, by its name or the path of its files.
+
+    Args:
+        agent: values of `--agent`.
+
+    Raises:
+        InvalidValueError: several agents.
+    """
+    return at_most_one("--agent", [path.as_posix() for path in agent or ()])
+
+
+def refuse(context: typer.Context, names: Sequence[str]) -> None:
+    """Refuse options of controllers where an agent runs, which brings its own.
+
+    Args:
+        context: command with its options.
+        names: parameters of the options.
+
+    Raises:
+        InvalidValueError: one of them stands on the command line.
+    """
+    for name in names:
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE":
+            raise InvalidValueError(
+                _OPTIONS[name], context.params[name], "not with --agent, which has its own"
+            )
