@@ -17,6 +17,7 @@ from prp_gym.cli.ship_gains import ship_gains_command
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.cli.tune_all import tune_all_command
+from prp_gym.cli.view import view_command
 from prp_gym.cli.zoo import zoo_command
 from prp_gym.errors import PRPError
 from prp_gym.processes.interruption import Interruption, interruptible
@@ -59,6 +60,7 @@ app.command("ship-gains")(ship_gains_command)
 app.command("tune")(tune_command)
 app.command("tune-all")(tune_all_command)
 app.command("train")(train_command)
+app.command("view")(view_command)
 app.command("zoo")(zoo_command)
 
 

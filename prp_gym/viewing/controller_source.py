@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -9,7 +10,7 @@ import gymnasium
 from prp_gym.baselines import Baseline, ControllerSpec
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.rollout import Policy
-from prp_gym.runs.choice import ControllerChoice
+from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers, gain_sets_of, settings_of
 from prp_gym.tuning.keyword_space import KeywordSpace
 from prp_gym.tuning.search_space import Parameter, SearchSpace
@@ -45,6 +46,11 @@ class ControllerSource(PolicySource):
         """Names of the gain sets, among them that of a user's file if it was chosen."""
         names = gain_sets_of(self._controller)
         return names if self.gains in names else (*names, self.gains)
+
+    def with_gains(self, gains: str) -> "ControllerSource":
+        """The same controller with another of its gain sets."""
+        chosen = replace(self._choice, gains=GainsChoice(gains))
+        return ControllerSource(self._controllers, chosen, self._environment_id, self._frequency)
 
     def make_env(self, scenario: str) -> gymnasium.Env[Any, Any]:
         """See `PolicySource.make_env`."""

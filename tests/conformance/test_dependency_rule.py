@@ -34,7 +34,11 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "reproduction": ("baselines",),
     "runs": ("envs", "baselines", "agents", "tuning"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
-    "cli": ("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs", "comparison"),
+    "viewing": ("envs", "baselines", "agents", "tuning", "reproduction", "runs"),
+    "cli": (
+        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction", "runs", "comparison"),
+        "viewing",
+    ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
 
@@ -50,6 +54,7 @@ MORE_THIRD_PARTY = {
     "reproduction": {"matplotlib", "rich"},
     "runs": {"cloudpickle", "joblib", "ray", "rich"},
     "tuning": {"optuna"},
+    "viewing": {"rich", "viser"},
 }
 
 

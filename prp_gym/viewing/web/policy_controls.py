@@ -1,0 +1,136 @@
+"""`PolicyControls`: controller or agent, gain set, scenario, and factors on the settings."""
+
+from typing import Any
+
+import numpy as np
+
+from prp_gym.errors import PRPError
+from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tuning.search_space import Parameter
+from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.session import Session
+from prp_gym.viewing.viewer import Viewer
+
+_NO_GAINS = "none"
+_STEP = 0.01  # of a factor
+
+
+class PolicyControls:
+    """The choice of a policy, and sliders for its settings.
+
+    Args:
+        gui: viser's container.
+        viewer: loop that runs the session.
+        catalogue: policies that may be chosen.
+    """
+
+    def __init__(self, gui: Any, viewer: Viewer, catalogue: Catalogue) -> None:
+        self._gui, self._viewer, self._catalogue = gui, viewer, catalogue
+        session = viewer.session
+        with gui.add_folder("Controller and scenario"):
+            self._name = gui.add_dropdown("controller", catalogue.names, initial_value=session.source.name)
+            sets = self._sets(session.source.name)
+            self._gains = gui.add_dropdown("gain set", sets, initial_value=session.source.gains or sets[0])
+            self._scenario = gui.add_dropdown("scenario", SCENARIOS, initial_value=session.scenario)
+        self._name.on_update(lambda _: viewer.wish(self._choose))
+        self._gains.on_update(lambda _: viewer.wish(self._choose))
+        self._scenario.on_update(lambda _: viewer.wish(self._choose_scenario))
+        self._folder = gui.add_folder("Settings: factors on the gain set")
+        self._sliders: dict[str, Any] = {}
+        self._inside: list[Any] = []
+        self._shown: Any = None
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Show the session's choice, with the sliders of its policy and the values of its settings."""
+        session = self._viewer.session
+        _assign(self._scenario, session.scenario)
+        if self._shown is not session.source:
+            self._rebuild(session)
+        for name, factor in session.factors.items():
+            _assign(self._sliders[name], factor)
+        text = _settings_text(session)
+        if self._values.content != text:
+            self._values.content = text
+
+    def _rebuild(self, session: Session) -> None:
+        """Make the sliders of another policy."""
+        source = session.source
+        self._shown = source
+        sets = self._sets(source.name)
+        _assign(self._name, source.name)
+        if tuple(self._gains.options) != sets:
+            self._gains.options = sets
+        _assign(self._gains, source.gains or sets[0])
+        for item in self._inside:
+            item.remove()
+        with self._folder:
+            self._sliders = {item.name: self._slider(item) for item in session.parameters}
+            self._values = self._gui.add_markdown("")
+        self._inside = [*self._sliders.values(), self._values]
+
+    def _slider(self, parameter: Parameter) -> Any:
+        """A slider for one factor; 1 leaves the settings as they are."""
+        powers = ", ".join(f"{name} by its power {power:g}" for name, power in parameter.powers.items())
+        slider = self._gui.add_slider(
+            parameter.name.replace("_", " "),
+            min=float(parameter.low),
+            max=float(parameter.high),
+            step=_STEP,
+            initial_value=1.0,
+            hint=f"Factor [1] that multiplies {powers}.",
+        )
+        slider.on_update(lambda _: self._viewer.wish(lambda: self._set(parameter.name)))
+        return slider
+
+    def _set(self, name: str) -> None:
+        session = self._viewer.session
+        if name in session.factors and self._sliders[name].value != session.factors[name]:
+            session.set_factor(name, float(self._sliders[name].value))
+
+    def _choose(self) -> None:
+        """Take the chosen policy; the page shows the former one again if it is refused."""
+        name, gains, source = str(self._name.value), str(self._gains.value), self._viewer.session.source
+        sets = self._catalogue.gain_sets(name)
+        gains = gains if gains in sets else (sets[0] if sets else "")
+        if "tuned" in sets and name != source.name and gains not in sets:
+            gains = "tuned"
+        if (name, gains) == (source.name, source.gains):
+            return
+        try:
+            self._viewer.session.choose_source(self._catalogue.make(name, gains))
+        except PRPError:
+            self._shown = None
+            raise
+
+    def _choose_scenario(self) -> None:
+        if self._scenario.value != self._viewer.session.scenario:
+            self._viewer.session.choose_scenario(str(self._scenario.value))
+
+    def _sets(self, name: str) -> tuple[str, ...]:
+        return self._catalogue.gain_sets(name) or (_NO_GAINS,)
+
+
+def _assign(handle: Any, value: Any) -> None:
+    if handle.value != value:
+        handle.value = value
+
+
+def _settings_text(session: Session) -> str:
+    """The settings with their units, as a list."""
+    settings = session.source.settings(session.policy)
+    if not settings:
+        return "This policy has no settings."
+    rows = [f"| {name.replace('_', ' ')} | {_numbers(value)} {unit} |" for name, (value, unit) in settings.items()]
+    return "\n".join(["| setting | value |", "| --- | --- |", *rows])
+
+
+def _numbers(value: Any) -> str:
+    """A value in few characters; a vector of equal components as one number."""
+    if isinstance(value, str) or np.size(value) == 0 or value is None:
+        return str(value)
+    flat = np.ravel(value)
+    if flat.dtype.kind not in "iuf":
+        return str(value)
+    shown = flat[:1] if np.ptp(flat) == 0.0 else flat
+    return ", ".join(f"{number:.4g}" for number in shown)
