@@ -35,7 +35,9 @@ def view_command(
             " Default: the first one that is meant for the environment."
         ),
     ] = None,
-    agent: Annotated[str | None, typer.Option(help="Trained agent: its name, or the path of its files.")] = None,
+    agent: Annotated[
+        str | None, typer.Option(help="Trained agent: its name, or the path of its files.")
+    ] = None,
     scenario: Annotated[str, typer.Option(help="Scenario.")] = "randomized",
     seed: FirstSeed = 0,
     gains: Gains = TUNED,
@@ -55,7 +57,9 @@ def view_command(
     ] = False,
     host: Annotated[
         str,
-        typer.Option(help="Address of the page; 127.0.0.1: for this machine alone, 0.0.0.0: for the network."),
+        typer.Option(
+            help="Address of the page; 127.0.0.1: for this machine alone, 0.0.0.0: for the network."
+        ),
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port of the page; 0: any that is free.")] = 8080,
     plugin: Plugins = None,
@@ -134,7 +138,9 @@ def _show_page(viewer: Viewer, catalogue: Catalogue, host: str, port: int) -> No
 
         page = Page(server, viewer, catalogue)
         address = f"http://{host}:{server.get_port()}"
-        make_console().print(f"{address} shows {label.removeprefix('prp_gym: ')}. Ctrl-C ends.", highlight=False)
+        make_console().print(
+            f"{address} shows {label.removeprefix('prp_gym: ')}. Ctrl-C ends.", highlight=False
+        )
         viewer.run(page)
 
 

@@ -1,5 +1,7 @@
 """The loop carries out wishes between actions, tells what was refused, and goes on with the next seed."""
 
+import time
+
 from prp_gym.viewing.viewer import Viewer
 from prp_gym.viewing.window import key_action
 from tests.support.viewing_sessions import SEED, controller_session
@@ -80,7 +82,7 @@ def test_keys_pause_step_change_the_speed_and_reset() -> None:
 def test_failing_policy_stops_time_and_is_told() -> None:
     viewer, notes = make_viewer(), Notes()
     viewer.session.policy.predict = lambda *_, **__: None  # type: ignore[method-assign, assignment]
-    viewer.real_time._owed = 1.0  # noqa: SLF001
+    time.sleep(1.5 * viewer.session.period)  # so that an action is due
     viewer.turn(notes)
     assert "predict" in notes.texts[0]
     assert not viewer.session.running

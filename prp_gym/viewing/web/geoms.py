@@ -14,7 +14,7 @@ _LARGE = 1.0  # m, half side from which a plane counts as the floor
 _Type = mujoco.mjtGeom
 
 
-def add_geoms(scene: Any, model: mujoco.MjModel) -> list[tuple[int, Any]]:
+def add_geoms(scene: Any, model: mujoco.MjModel) -> dict[str, Any]:
     """Add the geoms of a model to a scene.
 
     Args:
@@ -22,18 +22,18 @@ def add_geoms(scene: Any, model: mujoco.MjModel) -> list[tuple[int, Any]]:
         model: model of the simulation.
 
     Returns:
-        indices of the bodies that have geoms, with the frames that are to be moved with them.
+        frames that are to be moved with the bodies, by the names of the bodies.
     """
-    frames: dict[int, Any] = {}
+    frames: dict[str, Any] = {}
     for index in range(model.ngeom):
         color, opacity = _colour(model, index)
         if model.geom_group[index] > _LARGEST_GROUP or opacity == 0.0:
             continue
-        body = int(model.geom_bodyid[index])
+        body = str(model.body(model.geom_bodyid[index]).name)
         if body not in frames:
             frames[body] = scene.add_frame(f"/bodies/{body}", show_axes=False)
         _add(scene, model, index, f"/bodies/{body}/{index}", color, opacity)
-    return list(frames.items())
+    return frames
 
 
 def _add(

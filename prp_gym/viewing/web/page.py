@@ -25,6 +25,9 @@ class Page:
         server: viser's server.
         viewer: loop that runs the session.
         catalogue: policies that may be chosen.
+
+    Attributes:
+        policy: choice of the policy, and sliders for its settings.
     """
 
     def __init__(self, server: Any, viewer: Viewer, catalogue: Catalogue) -> None:
@@ -35,7 +38,7 @@ class Page:
         self._scene = SceneView(server.scene)
         self._status = server.gui.add_markdown("")
         self._time = TimeControls(server, viewer)
-        self._policy = PolicyControls(server.gui, viewer, catalogue)
+        self.policy = PolicyControls(server.gui, viewer, catalogue)
         self._plant = PlantControls(server.gui, viewer)
         panel = server.gui.add_panel()
         self._charts = Charts(server.gui, panel.add_tab("Live plots"))
@@ -65,7 +68,7 @@ class Page:
 
     def _refresh(self, viewer: Viewer) -> None:
         self._time.refresh()
-        self._policy.refresh()
+        self.policy.refresh()
         self._plant.refresh()
         text = status_text(viewer) + (f"\n\nLast refusal: {self._notice}" if self._notice else "")
         if self._status.content != text:

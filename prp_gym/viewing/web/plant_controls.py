@@ -30,6 +30,7 @@ class PlantControls:
     def __init__(self, gui: Any, viewer: Viewer) -> None:
         self._viewer = viewer
         self._springs: dict[str, Any] = {}
+        self._known = dict(viewer.session.surface)
         if viewer.session.has_surface:
             self._add_surface(gui)
         self._directions = self._make_directions()
@@ -42,32 +43,35 @@ class PlantControls:
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the springs of the present surface."""
+        """Show the springs of the present surface, where they are not those that the user has set."""
         surface = self._viewer.session.surface
         for name, slider in self._springs.items():
-            low, high, _ = _RANGES[name]
-            value = min(max(surface[name], low), high)
-            if slider.value != value:
-                slider.value = value
+            if self._known[name] != surface[name]:
+                self._known[name], slider.value = surface[name], _within(name, surface[name])
 
     def _add_surface(self, gui: Any) -> None:
         viewer = self._viewer
         with gui.add_folder("Surface"):
             for name, (low, high, step) in _RANGES.items():
-                value = min(max(viewer.session.surface[name], low), high)
+                value = _within(name, viewer.session.surface[name])
                 slider = gui.add_slider(_LABELS[name], min=low, max=high, step=step, initial_value=value)
                 slider.on_update(lambda event, name=name: self._wish_spring(name, event))
                 self._springs[name] = slider
             release = gui.add_button(
-                "As the task draws it", hint="At the next reset the surface is drawn from the task's ranges again."
+                "As the task draws it",
+                hint="At the next reset the surface is drawn from the task's ranges again.",
             )
         release.on_click(lambda _: viewer.wish(viewer.session.release_surface))
 
     def _wish_spring(self, name: str, event: Any) -> None:
         """A slider that a user has moved; not one that `refresh` has set."""
         if event.client is not None:
-            value = float(self._springs[name].value)
-            self._viewer.wish(lambda: self._viewer.session.set_surface(name, value))
+            value = float(event.target.value)
+            self._viewer.wish(lambda: self._set_spring(name, value))
+
+    def _set_spring(self, name: str, value: float) -> None:
+        self._known[name] = value
+        self._viewer.session.set_surface(name, value)
 
     def _make_directions(self) -> dict[str, Any]:
         """What may be disturbed, with the direction along the tip or the index of the joint."""
@@ -89,6 +93,12 @@ class PlantControls:
         else:
             torque = _unit(inner.arm.joint_count, self._directions[kind], size)
             self._viewer.session.disturb(Disturbance(duration, torque=torque))
+
+
+def _within(name: str, value: float) -> float:
+    """The nearest value that the slider of a spring shows."""
+    low, high, _ = _RANGES[name]
+    return min(max(value, low), high)
 
 
 def _unit(count: int, index: int, size: float) -> tuple[float, ...]:

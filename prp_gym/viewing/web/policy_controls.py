@@ -22,21 +22,28 @@ class PolicyControls:
         gui: viser's container.
         viewer: loop that runs the session.
         catalogue: policies that may be chosen.
+
+    Attributes:
+        choice: list of the controllers and agents.
+        gains: list of the gain sets.
+        sliders: sliders of the factors, by the names of the session's parameters.
+        values: the settings with their units.
     """
 
     def __init__(self, gui: Any, viewer: Viewer, catalogue: Catalogue) -> None:
         self._gui, self._viewer, self._catalogue = gui, viewer, catalogue
         session = viewer.session
         with gui.add_folder("Controller and scenario"):
-            self._name = gui.add_dropdown("controller", catalogue.names, initial_value=session.source.name)
+            self.choice = gui.add_dropdown("controller", catalogue.names, initial_value=session.source.name)
             sets = self._sets(session.source.name)
-            self._gains = gui.add_dropdown("gain set", sets, initial_value=session.source.gains or sets[0])
+            self.gains = gui.add_dropdown("gain set", sets, initial_value=session.source.gains or sets[0])
             self._scenario = gui.add_dropdown("scenario", SCENARIOS, initial_value=session.scenario)
-        self._name.on_update(lambda _: viewer.wish(self._choose))
-        self._gains.on_update(lambda _: viewer.wish(self._choose))
+        self.choice.on_update(lambda _: viewer.wish(self._choose))
+        self.gains.on_update(lambda _: viewer.wish(self._choose))
         self._scenario.on_update(lambda _: viewer.wish(self._choose_scenario))
         self._folder = gui.add_folder("Settings: factors on the gain set")
-        self._sliders: dict[str, Any] = {}
+        self.sliders: dict[str, Any] = {}
+        self._known: dict[str, float] = {}
         self._inside: list[Any] = []
         self._shown: Any = None
         self.refresh()
@@ -48,26 +55,28 @@ class PolicyControls:
         if self._shown is not session.source:
             self._rebuild(session)
         for name, factor in session.factors.items():
-            _assign(self._sliders[name], factor)
+            if self._known[name] != factor:  # a refused one
+                self._known[name] = self.sliders[name].value = factor
         text = _settings_text(session)
-        if self._values.content != text:
-            self._values.content = text
+        if self.values.content != text:
+            self.values.content = text
 
     def _rebuild(self, session: Session) -> None:
         """Make the sliders of another policy."""
         source = session.source
         self._shown = source
         sets = self._sets(source.name)
-        _assign(self._name, source.name)
-        if tuple(self._gains.options) != sets:
-            self._gains.options = sets
-        _assign(self._gains, source.gains or sets[0])
+        _assign(self.choice, source.name)
+        if tuple(self.gains.options) != sets:
+            self.gains.options = sets
+        _assign(self.gains, source.gains or sets[0])
         for item in self._inside:
             item.remove()
         with self._folder:
-            self._sliders = {item.name: self._slider(item) for item in session.parameters}
-            self._values = self._gui.add_markdown("")
-        self._inside = [*self._sliders.values(), self._values]
+            self.sliders = {item.name: self._slider(item) for item in session.parameters}
+            self.values = self._gui.add_markdown("")
+        self._known = dict.fromkeys(self.sliders, 1.0)
+        self._inside = [*self.sliders.values(), self.values]
 
     def _slider(self, parameter: Parameter) -> Any:
         """A slider for one factor; 1 leaves the settings as they are."""
@@ -80,17 +89,24 @@ class PolicyControls:
             initial_value=1.0,
             hint=f"Factor [1] that multiplies {powers}.",
         )
-        slider.on_update(lambda _: self._viewer.wish(lambda: self._set(parameter.name)))
+        slider.on_update(lambda event: self._wish_factor(parameter.name, event))
         return slider
 
-    def _set(self, name: str) -> None:
+    def _wish_factor(self, name: str, event: Any) -> None:
+        """Wish the factor to which a user has moved a slider; not one that `refresh` has set."""
+        if event.client is not None:
+            value = float(event.target.value)
+            self._viewer.wish(lambda: self._set(name, value))
+
+    def _set(self, name: str, value: float) -> None:
         session = self._viewer.session
-        if name in session.factors and self._sliders[name].value != session.factors[name]:
-            session.set_factor(name, float(self._sliders[name].value))
+        if name in session.factors:  # it is not, if another policy was chosen in the meantime
+            self._known[name] = value
+            session.set_factor(name, value)
 
     def _choose(self) -> None:
         """Take the chosen policy; the page shows the former one again if it is refused."""
-        name, gains, source = str(self._name.value), str(self._gains.value), self._viewer.session.source
+        name, gains, source = str(self.choice.value), str(self.gains.value), self._viewer.session.source
         sets = self._catalogue.gain_sets(name)
         gains = gains if gains in sets else (sets[0] if sets else "")
         if "tuned" in sets and name != source.name and gains not in sets:
@@ -121,7 +137,9 @@ def _settings_text(session: Session) -> str:
     settings = session.source.settings(session.policy)
     if not settings:
         return "This policy has no settings."
-    rows = [f"| {name.replace('_', ' ')} | {_numbers(value)} {unit} |" for name, (value, unit) in settings.items()]
+    rows = [
+        f"| {name.replace('_', ' ')} | {_numbers(value)} {unit} |" for name, (value, unit) in settings.items()
+    ]
     return "\n".join(["| setting | value |", "| --- | --- |", *rows])
 
 

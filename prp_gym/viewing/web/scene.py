@@ -32,26 +32,32 @@ class SceneView:
 
     Args:
         scene: viser's scene.
+
+    Attributes:
+        bodies: frames of the bodies by their names in the model.
     """
 
     def __init__(self, scene: Any) -> None:
         self._scene = scene
-        self._bodies: list[tuple[int, Any]] = []
-        self._key: tuple[object, ...] = ()
+        self.bodies: dict[str, Any] = {}
+        self._episode: tuple[object, ...] = ()
+        self._time = -1.0
         scene.set_up_direction("+z")
         scene.configure_default_lights(cast_shadow=True)
 
     def show(self, session: Session) -> None:
-        """Show the present state of a session."""
-        key = session.inner, session.seed
-        if key != self._key:
+        """Show the present state of a session; nothing is sent while it stays the same."""
+        episode = session.inner, session.seed
+        if episode == self._episode and session.time == self._time:
+            return
+        if episode != self._episode or session.time < self._time:
             self._begin(session)
-            self._key = key
-        data = self._data
-        data.qpos[:] = session.inner.physics.joint_position[0]
-        mujoco.mj_kinematics(self._model, data)
-        for index, frame in self._bodies:
-            frame.position, frame.wxyz = data.xpos[index], data.xquat[index]
+        self._episode, self._time = episode, session.time
+        self._data.qpos[:] = session.inner.physics.joint_position[0]
+        mujoco.mj_kinematics(self._model, self._data)
+        for name, frame in self.bodies.items():
+            body = self._data.body(name)
+            frame.position, frame.wxyz = body.xpos, body.xquat
         self._show_motion(session.signals, session.inner)
 
     def _begin(self, session: Session) -> None:
@@ -60,7 +66,7 @@ class SceneView:
         self._model = session.inner.physics.model()
         self._data = mujoco.MjData(self._model)
         mujoco.mj_kinematics(self._model, self._data)
-        self._bodies = add_geoms(self._scene, self._model)
+        self.bodies = add_geoms(self._scene, self._model)
         for number, item in enumerate(session.inner.task.overlay(0, session.inner.duration)):
             if isinstance(item, Path):
                 segments = np.stack([item.points[:-1], item.points[1:]], axis=1)

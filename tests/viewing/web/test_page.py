@@ -1,0 +1,87 @@
+"""The page in a browser: what it shows is the session, and what a user does with it reaches the session."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.viewer import Viewer
+from tests.support.chromium import CHROMIUM, Tab, chromium
+from tests.support.viewing_sessions import SEED, controller_session
+
+pytest.importorskip("viser", reason="the extra `view` is not installed")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on this machine")
+
+FORCE = "PRP-Force-v0"
+TEXT = "(document.body?.innerText ?? '')"
+PATIENCE = 20.0  # s
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Wait until a condition of the session holds."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def served() -> Iterator[tuple[Viewer, str]]:
+    """A viewer that runs in a thread of its own, and the address of its page."""
+    from prp_gym.viewing.web.page import Page
+    from prp_gym.viewing.web.server import serving
+
+    viewer, closed = Viewer(controller_session(FORCE, "parallel_force_position")), threading.Event()
+    with serving("127.0.0.1", 0, "prp_gym") as server:
+
+        class ClosablePage(Page):
+            def show(self, viewer: Viewer) -> bool:
+                return super().show(viewer) and not closed.is_set()
+
+        page = ClosablePage(server, viewer, Catalogue(FORCE, 500.0, viewer.session.source))
+        thread = threading.Thread(target=viewer.run, args=(page,), daemon=True)
+        thread.start()
+        try:
+            yield viewer, f"http://127.0.0.1:{server.get_port()}"
+        finally:
+            closed.set()
+            thread.join(PATIENCE)
+            viewer.session.close()
+
+
+def click_button(tab: Tab, label: str) -> None:
+    find = f"[...document.querySelectorAll('button')].find(b => b.innerText.trim() === '{label}')"
+    tab.wait_for(f"!!{find}")
+    tab.evaluate(f"{find}.click()")
+
+
+def test_user_moves_a_slider_takes_a_step_and_sees_the_plots(
+    served: tuple[Viewer, str], tmp_path: Path
+) -> None:
+    viewer, address = served
+    session = viewer.session
+    with chromium(tmp_path / "profile") as tab:
+        tab.open(address, 1280, 800)
+        tab.wait_for(f"{TEXT}.includes('Single step')")
+        click_button(tab, "Pause")
+        until(lambda: not session.running)
+        before = session.time
+        click_button(tab, "Single step")
+        until(lambda: session.time > before)
+        assert session.time == pytest.approx(before + session.period)
+
+        tab.evaluate("document.querySelectorAll('[role=slider]')[0].focus()")
+        tab.press("ArrowRight", 5)
+        name = session.parameters[0].name
+        until(lambda: session.factors[name] == pytest.approx(1.05))
+        gain = session.policy.settings.proportional_gain  # type: ignore[attr-defined]
+        assert gain[:3] == pytest.approx(14400.0 * session.factors[name] ** 2)
+
+        tab.wait_for("document.querySelectorAll('.uplot').length === 3")
+        for shown in (FORCE, f"seed {SEED}", "paused", "Contact force on the surface [N]", "desired"):
+            tab.wait_for(f"{TEXT}.includes('{shown}')")
+        click_button(tab, "Reset")
+        until(lambda: session.time == 0.0)
