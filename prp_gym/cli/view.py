@@ -45,8 +45,7 @@ def view_command(
     action_mode: Annotated[
         str | None,
         typer.Option(
-            help="Action mode; its inner controller runs with actions of zero. Default: torque, or that of the"
-            " agent."
+            help="Action mode, with zero actions for its inner controller. Default: torque, or the agent's."
         ),
     ] = None,
     control_frequency: Annotated[
@@ -57,9 +56,7 @@ def view_command(
     ] = False,
     host: Annotated[
         str,
-        typer.Option(
-            help="Address of the page; 127.0.0.1: for this machine alone, 0.0.0.0: for the network."
-        ),
+        typer.Option(help="Address of the page; 127.0.0.1: for this machine, 0.0.0.0: for the network."),
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port of the page; 0: any that is free.")] = 8080,
     plugin: Plugins = None,
@@ -67,8 +64,8 @@ def view_command(
     """Watch a controller or an agent while it runs, and change it.
 
     Where there is a display a window of MuJoCo's viewer opens. With `--web`, and where there is none, a page
-    in the browser shows the arm with live plots, and has controls for the gains, the surface, the scenario and
-    a disturbance.
+    in the browser shows the arm with live plots, and has controls for the gains, the surface, the scenario
+    and a disturbance.
     """
     choice("environment", env, list_envs())
     if agent is None:
@@ -132,15 +129,13 @@ def _agent(env: str, name: str, action_mode: str | None, frequency: float | None
 
 def _show_page(viewer: Viewer, catalogue: Catalogue, host: str, port: int) -> None:
     """Serve the page until the command is interrupted."""
-    label = f"prp_gym: {viewer.session.inner.task.environment_id}"
-    with serving(host, port, label) as server:
+    environment_id = viewer.session.inner.task.environment_id
+    with serving(host, port, f"prp_gym: {environment_id}") as server:
         from prp_gym.viewing.web.page import Page
 
         page = Page(server, viewer, catalogue)
         address = f"http://{host}:{server.get_port()}"
-        make_console().print(
-            f"{address} shows {label.removeprefix('prp_gym: ')}. Ctrl-C ends.", highlight=False
-        )
+        make_console().print(f"{address} shows {environment_id}. Ctrl-C ends.", highlight=False)
         viewer.run(page)
 
 

@@ -19,7 +19,7 @@ _OPTIONS = (
     *("--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
     *("--enable-unsafe-swiftshader", "--remote-debugging-port=0", "--hide-scrollbars", "--no-first-run"),
 )
-_PATIENCE = 30.0  # s
+_PATIENCE = 60.0  # s
 
 
 class Tab:
@@ -65,16 +65,12 @@ class Tab:
         self.call("Page.enable")
         self.call("Page.navigate", url=address)
 
-    def click(self, x: float, y: float) -> None:
-        """Click at a point [pixels]."""
-        for kind in ("mousePressed", "mouseReleased"):
-            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
-
-    def press(self, key: str, times: int = 1) -> None:
-        """Press a key, which the focused element gets."""
-        for _ in range(times):
-            for kind in ("keyDown", "keyUp"):
-                self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key)
+    def press(self, element: str, key: str) -> None:
+        """Press a key in an element, given by an expression; it does not wait for a frame to be drawn."""
+        for kind in ("keydown", "keyup"):
+            self.evaluate(
+                f"{element}.dispatchEvent(new KeyboardEvent('{kind}', {{key: '{key}', bubbles: true}}))"
+            )
 
     def screenshot(self, path: Path) -> None:
         """Write what the tab shows as PNG."""

@@ -3,14 +3,17 @@
 import time
 from typing import Any
 
+import numpy as np
+
 from prp_gym.viewing.catalogue import Catalogue
 from prp_gym.viewing.plots import make_plots
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.viewer import Viewer
+from prp_gym.viewing.web.cameras import CAMERAS, FIELD_OF_VIEW, look
 from prp_gym.viewing.web.charts import Charts
 from prp_gym.viewing.web.plant_controls import PlantControls
 from prp_gym.viewing.web.policy_controls import PolicyControls
-from prp_gym.viewing.web.scene import CAMERAS, FIELD_OF_VIEW, SceneView
+from prp_gym.viewing.web.scene import SceneView
 from prp_gym.viewing.web.time_controls import TimeControls
 
 _EVERY = 0.25  # s of real time between updates of the charts and of the controls
@@ -35,15 +38,20 @@ class Page:
         server.gui.configure_theme(control_width="medium", show_logo=False, show_share_button=False)
         server.initial_camera.position, server.initial_camera.look_at = CAMERAS["overview"]
         server.initial_camera.fov = FIELD_OF_VIEW
+        server.on_client_connect(lambda client: look(client, "overview", np.zeros(3)))
         self._scene = SceneView(server.scene)
         self._status = server.gui.add_markdown("")
-        self._time = TimeControls(server, viewer)
-        self.policy = PolicyControls(server.gui, viewer, catalogue)
-        self._plant = PlantControls(server.gui, viewer)
+        tabs = server.gui.add_tab_group()
+        with tabs.add_tab("Run"):
+            self._time = TimeControls(server, viewer)
+            self.policy = PolicyControls(server.gui, viewer, catalogue, tabs.add_tab("Settings"))
+        with tabs.add_tab("Surface, disturbance"):
+            self._plant = PlantControls(server.gui, viewer)
         panel = server.gui.add_panel()
         self._charts = Charts(server.gui, panel.add_tab("Live plots"))
         panel.dock_left()
         panel.set_width(_PLOTS_WIDTH)
+        panel.expand()
         server.gui.main_panel.dock_right()
         self._notice = ""
         self._next = 0.0

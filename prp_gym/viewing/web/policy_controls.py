@@ -22,6 +22,7 @@ class PolicyControls:
         gui: viser's container.
         viewer: loop that runs the session.
         catalogue: policies that may be chosen.
+        settings: container of the sliders.
 
     Attributes:
         choice: list of the controllers and agents.
@@ -30,7 +31,7 @@ class PolicyControls:
         values: the settings with their units.
     """
 
-    def __init__(self, gui: Any, viewer: Viewer, catalogue: Catalogue) -> None:
+    def __init__(self, gui: Any, viewer: Viewer, catalogue: Catalogue, settings: Any) -> None:
         self._gui, self._viewer, self._catalogue = gui, viewer, catalogue
         session = viewer.session
         with gui.add_folder("Controller and scenario"):
@@ -41,7 +42,7 @@ class PolicyControls:
         self.choice.on_update(lambda _: viewer.wish(self._choose))
         self.gains.on_update(lambda _: viewer.wish(self._choose))
         self._scenario.on_update(lambda _: viewer.wish(self._choose_scenario))
-        self._folder = gui.add_folder("Settings: factors on the gain set")
+        self._folder = settings
         self.sliders: dict[str, Any] = {}
         self._known: dict[str, float] = {}
         self._inside: list[Any] = []
@@ -73,10 +74,13 @@ class PolicyControls:
         for item in self._inside:
             item.remove()
         with self._folder:
+            title = self._gui.add_markdown(
+                "Factors on the settings of the gain set; 1 leaves them as they are."
+            )
             self.sliders = {item.name: self._slider(item) for item in session.parameters}
             self.values = self._gui.add_markdown("")
         self._known = dict.fromkeys(self.sliders, 1.0)
-        self._inside = [*self.sliders.values(), self.values]
+        self._inside = [title, *self.sliders.values(), self.values]
 
     def _slider(self, parameter: Parameter) -> Any:
         """A slider for one factor; 1 leaves the settings as they are."""

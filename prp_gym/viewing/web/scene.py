@@ -11,17 +11,6 @@ from prp_gym.viewing.session import Session
 from prp_gym.viewing.signals import Signals
 from prp_gym.viewing.web.geoms import add_geoms
 
-CAMERAS: dict[str, tuple[tuple[float, float, float], tuple[float, float, float]]] = {
-    "overview": ((1.15, -1.25, 0.95), (0.15, -0.1, 0.2)),
-    "top": ((0.1, -0.01, 1.9), (0.1, 0.0, 0.1)),
-    "side": ((0.15, -1.8, 0.3), (0.15, -0.1, 0.2)),
-    "tip": ((0.45, -0.45, 0.35), (0.0, 0.0, 0.0)),
-}
-"""Position of the camera and the point at which it looks [m]; those of `tip` are relative to the tip."""
-
-FIELD_OF_VIEW = 0.8
-"""Vertical angle of the camera [rad]."""
-
 _MEASURED, _DESIRED, _REFERENCE = (213, 94, 0), (0, 0, 0), (0, 114, 178)
 _METRES_PER_NEWTON = 0.02
 _TRAIL = 400  # points

@@ -3,10 +3,10 @@
 from typing import Any
 
 from prp_gym.viewing.viewer import Viewer
-from prp_gym.viewing.web.scene import CAMERAS
+from prp_gym.viewing.web.cameras import CAMERAS, look
 
 _SPEEDS = ("0.05", "0.1", "0.25", "0.5", "1", "2", "4")
-_RUN, _PAUSE = "Run", "Pause"
+_RUN, _PAUSE = "Go on", "Pause"
 
 
 class TimeControls:
@@ -66,8 +66,5 @@ class TimeControls:
 
     def _look(self, name: str) -> None:
         """Move the cameras of all browsers."""
-        position, point = CAMERAS[name]
-        tip = self._viewer.session.inner.physics.tip_position[0] if name == "tip" else (0.0, 0.0, 0.0)
         for client in self._server.get_clients().values():
-            client.camera.position = tuple(a + b for a, b in zip(position, tip, strict=True))
-            client.camera.look_at = tuple(a + b for a, b in zip(point, tip, strict=True))
+            look(client, name, self._viewer.session.inner.physics.tip_position[0].copy())
