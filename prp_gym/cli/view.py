@@ -15,7 +15,7 @@ from prp_gym.runs.selection import Selection
 from prp_gym.runs.terminal import make_console
 from prp_gym.tasks.registration import list_envs
 from prp_gym.viewing.agent_source import AgentSource
-from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.controller_source import ControllerSource
 from prp_gym.viewing.inner_controller_source import InnerControllerSource
 from prp_gym.viewing.policy_source import PolicySource
@@ -78,7 +78,7 @@ def view_command(
     session = Session(source, scenario, seed)
     try:
         if web or not has_display():
-            catalogue = Catalogue(env, control_frequency or _FREQUENCY, source)
+            catalogue = PolicyCatalogue(env, control_frequency or _FREQUENCY, source)
             _show_page(Viewer(session), catalogue, host, port)
         else:
             _show_window(Viewer(session))
@@ -127,7 +127,7 @@ def _agent(env: str, name: str, action_mode: str | None, frequency: float | None
     return source
 
 
-def _show_page(viewer: Viewer, catalogue: Catalogue, host: str, port: int) -> None:
+def _show_page(viewer: Viewer, catalogue: PolicyCatalogue, host: str, port: int) -> None:
     """Serve the page until the command is interrupted."""
     environment_id = viewer.session.inner.task.environment_id
     with serving(host, port, f"prp_gym: {environment_id}") as server:

@@ -42,7 +42,7 @@ class InnerControllerSource(PolicySource):
     """
 
     def __init__(self, environment_id: str, action_mode: str, control_frequency: float) -> None:
-        self._keywords = {"action_mode": action_mode, "control_frequency": control_frequency}
+        self._keywords: dict[str, Any] = {"action_mode": action_mode, "control_frequency": control_frequency}
         self._environment_id = environment_id
         self.name = f"zero actions in mode {action_mode}"
 

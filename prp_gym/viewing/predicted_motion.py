@@ -54,10 +54,12 @@ def predicted_tip_error(settings: Any, signals: Signals, arm: PRPArm) -> tuple[s
     Returns:
         None for another controller, and without a disturbance.
     """
-    if not isinstance(settings, (ComplianceSettings, OperationalPDSettings)):
+    if isinstance(settings, ComplianceSettings):
+        stiffness = settings.stiffness[:3]
+    elif isinstance(settings, OperationalPDSettings):
+        stiffness = settings.proportional_gain[:2]  # of the plane in which the slide lies
+    else:
         return None
-    compliant = isinstance(settings, ComplianceSettings)
-    stiffness = settings.stiffness[:3] if compliant else settings.proportional_gain[:2]  # of the slide's axes
     if np.ptp(stiffness) > 0.0 or not signals.disturbance.any():
         return None
     q, along = signals.fields["joint_position"], signals.disturbance[:, 1]

@@ -5,6 +5,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from numpy.typing import NDArray
 
 from prp_gym.checks import choice, random_seed, within
 from prp_gym.envs.base.surface_options import SURFACE_OPTIONS, surface_value
@@ -14,6 +15,7 @@ from prp_gym.evaluation.rollout import Policy
 from prp_gym.physics.simulation import Physics
 from prp_gym.robot.arrays import Array
 from prp_gym.tuning.search_space import Parameter
+from prp_gym.viewing.acting_disturbance import ActingDisturbance
 from prp_gym.viewing.disturbance import Disturbance
 from prp_gym.viewing.policy_source import PolicySource
 from prp_gym.viewing.signal_window import SignalWindow
@@ -47,6 +49,23 @@ class Session:
     Raises:
         PRPError: an environment or policy that cannot be made.
     """
+
+    scenario: str
+    seed: int
+    over: bool
+    diverged: bool
+    total_reward: float
+    changed: bool
+    _source: PolicySource
+    _env: gymnasium.Env[Any, Any]
+    _policy: Policy
+    _parameters: tuple[Parameter, ...]
+    _factors: dict[str, float]
+    _window: SignalWindow
+    _observation: Array
+    _state: Any
+    _start: NDArray[np.bool_]
+    _disturbance: ActingDisturbance
 
     def __init__(self, source: PolicySource, scenario: str, seed: int = 0, seconds: float = 5.0) -> None:
         self._seconds = seconds
@@ -123,7 +142,7 @@ class Session:
         """Take one action, whether or not time is running.
 
         Returns:
-            whether the episode goes on; a step after its end does nothing.
+            whether the episode goes on; after its end there are no steps.
 
         Raises:
             PolicyOutputError: the policy returns something else than a finite action and a state.
@@ -131,7 +150,7 @@ class Session:
         """
         if self.over:
             return False
-        self._apply_disturbance()
+        self._window.disturb(self._disturbance.apply())
         shape = tuple(self._env.action_space.shape or ())
         with self._source.reported(self._env):
             output = self._policy.predict(
@@ -176,8 +195,7 @@ class Session:
         self.over = self.diverged = False
         self.changed = False
         self.total_reward = 0.0
-        self._disturbance: Disturbance | None = None
-        self._periods_left = 0
+        self._disturbance.end()
         self._window.disturb(np.zeros(self.inner.loop.joints))
         self._window.begin()
 
@@ -244,9 +262,7 @@ class Session:
         """
         if self.over:
             raise EpisodeError("a disturbance needs an episode that is not over: reset first.")
-        disturbance.check(self.inner.arm)
-        self._disturbance = disturbance
-        self._periods_left = max(1, round(disturbance.duration / self.period))
+        self._disturbance.start(disturbance)
         self.changed = True
 
     def close(self) -> None:
@@ -278,20 +294,7 @@ class Session:
         self._env, self._policy, self._parameters = made
         loop = self.inner.loop
         self._window = SignalWindow(loop, self._seconds)
+        self._disturbance = ActingDisturbance(self.inner)
         loop.listen(self._window.take)
         known = self.inner.task.reset_options
         self._springs = {name: value for name, value in self._springs.items() if name in known}
-
-    def _apply_disturbance(self) -> None:
-        """Set the joint torques of the disturbance for the coming action, or none after its end."""
-        if self._disturbance is None:
-            return
-        torque: Array = np.zeros(self.inner.loop.joints)
-        if self._periods_left > 0:
-            q = self.inner.physics.joint_position[0]
-            torque = self._disturbance.joint_torque(self.inner.arm, q)
-            self._periods_left -= 1
-        else:
-            self._disturbance = None
-        self.inner.physics.batch.bind("qfrc_applied")[0] = torque
-        self._window.disturb(torque)

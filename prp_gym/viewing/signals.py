@@ -10,7 +10,7 @@ from prp_gym.robot.arrays import Array
 class Signals:
     """The signals of one environment over the last T periods of its control loop.
 
-    The first row of an episode is its start, at which no torque has acted yet.
+    The first row of an episode is its start, before any torque has acted.
 
     Attributes:
         time: time since the start of the episode (T) [s].

@@ -26,7 +26,7 @@ def world() -> Physics:
 
 def test_surface_is_the_one_that_was_set(world: Physics) -> None:
     for row in BOTH:
-        surface = world.surface(row)
+        surface = world.surface(int(row))
         assert surface.stiffness == PLANES.stiffness[row]
         assert surface.damping == PLANES.damping[row]
         assert surface.normal[0] == pytest.approx(PLANES.normal[row], abs=1e-12)  # by way of a quaternion

@@ -45,7 +45,7 @@ def test_reset_with_a_seed_gives_the_episode_of_gymnasium() -> None:
     session.reset(SEED)
     session.advance(BEFORE)
     env, *_ = fresh(BEFORE)
-    assert (session.inner.ground_truth == env.unwrapped.ground_truth).all()  # type: ignore[attr-defined]
+    assert (session.inner.ground_truth == env.unwrapped.ground_truth).all()
     assert session.time == pytest.approx(BEFORE * 0.002)
     session.reset(SEED + 1)
     assert not (session.inner.ground_truth == fresh(0)[0].unwrapped.ground_truth).all()

@@ -30,7 +30,9 @@ class Charts:
 
     def show(self, plots: tuple[Plot, ...]) -> None:
         """Show the plots; the charts are made anew where other lines are to be shown."""
-        shown = [(plot.title, *((line.name, _is_complete(line)) for line in plot.lines)) for plot in plots]
+        shown: list[tuple[object, ...]] = [
+            (plot.title, *((line.name, _is_complete(line)) for line in plot.lines)) for plot in plots
+        ]
         if [item[0] for item in shown] != [item[0] for item in self._shown]:
             self._clear()
         for index, plot in enumerate(plots):

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.plots import make_plots
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.viewer import Viewer
@@ -33,7 +33,7 @@ class Page:
         policy: choice of the policy, and sliders for its settings.
     """
 
-    def __init__(self, server: Any, viewer: Viewer, catalogue: Catalogue) -> None:
+    def __init__(self, server: Any, viewer: Viewer, catalogue: PolicyCatalogue) -> None:
         self._server = server
         server.gui.configure_theme(control_width="medium", show_logo=False, show_share_button=False)
         server.initial_camera.position, server.initial_camera.look_at = CAMERAS["overview"]

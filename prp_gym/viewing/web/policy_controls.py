@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 
 from prp_gym.errors import PRPError
+from prp_gym.runs.choice import TUNED
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tuning.search_space import Parameter
-from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.viewer import Viewer
 
@@ -31,7 +32,7 @@ class PolicyControls:
         values: the settings with their units.
     """
 
-    def __init__(self, gui: Any, viewer: Viewer, catalogue: Catalogue, settings: Any) -> None:
+    def __init__(self, gui: Any, viewer: Viewer, catalogue: PolicyCatalogue, settings: Any) -> None:
         self._gui, self._viewer, self._catalogue = gui, viewer, catalogue
         session = viewer.session
         with gui.add_folder("Controller and scenario"):
@@ -112,9 +113,8 @@ class PolicyControls:
         """Take the chosen policy; the page shows the former one again if it is refused."""
         name, gains, source = str(self.choice.value), str(self.gains.value), self._viewer.session.source
         sets = self._catalogue.gain_sets(name)
-        gains = gains if gains in sets else (sets[0] if sets else "")
-        if "tuned" in sets and name != source.name and gains not in sets:
-            gains = "tuned"
+        if gains not in sets:
+            gains = TUNED if TUNED in sets else ""
         if (name, gains) == (source.name, source.gains):
             return
         try:

@@ -65,7 +65,7 @@ class SceneView:
                 self._scene.add_icosphere(
                     f"/reference/goal_{number}", item.radius, color, position=item.center, opacity=0.6
                 )
-        point = np.zeros((1, 2, 3), dtype=np.float32)
+        point = np.zeros((1, 2, 3))
         self._trail = self._add_line("/trail", point, _MEASURED)
         self._target = self._scene.add_icosphere("/reference/now", 0.018, _REFERENCE, opacity=0.6)
         self._force = self._add_arrow("/force/measured", point, _MEASURED)

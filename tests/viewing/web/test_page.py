@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.viewer import Viewer
 from tests.support.chromium import CHROMIUM, Tab, chromium
 from tests.support.viewing_sessions import SEED, controller_session
@@ -41,7 +41,7 @@ def served() -> Iterator[tuple[Viewer, str]]:
             def show(self, viewer: Viewer) -> bool:
                 return super().show(viewer) and not closed.is_set()
 
-        page = ClosablePage(server, viewer, Catalogue(FORCE, 500.0, viewer.session.source))
+        page = ClosablePage(server, viewer, PolicyCatalogue(FORCE, 500.0, viewer.session.source))
         thread = threading.Thread(target=viewer.run, args=(page,), daemon=True)
         thread.start()
         try:

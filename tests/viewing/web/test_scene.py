@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from prp_gym.viewing.catalogue import Catalogue
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.viewer import Viewer
 from tests.support.viewing_sessions import SEED, controller_session, controller_source
@@ -30,7 +30,7 @@ def make_page(server: Any, session: Session) -> tuple[Viewer, Any]:
 
     viewer = Viewer(session)
     environment_id = session.inner.task.environment_id
-    return viewer, Page(server, viewer, Catalogue(environment_id, 500.0, session.source))
+    return viewer, Page(server, viewer, PolicyCatalogue(environment_id, 500.0, session.source))
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_another_controller_brings_its_sliders_and_gain_sets(server: Any) -> Non
 def test_agent_has_no_sliders(server: Any) -> None:
     viewer, page = make_page(server, controller_session(FORCE, "parallel_force_position"))
     agent = "PRP-Force-v0/ppo_variable_force_position"
-    viewer.session.choose_source(Catalogue(FORCE, 500.0, viewer.session.source).make(agent))
+    viewer.session.choose_source(PolicyCatalogue(FORCE, 500.0, viewer.session.source).make(agent))
     page.policy.refresh()
     assert page.policy.sliders == {}
     assert page.policy.choice.value == agent

@@ -1,4 +1,4 @@
-"""`Catalogue`: the controllers and agents that a session of an environment may use."""
+"""`PolicyCatalogue`: the controllers and agents that a session of an environment may use."""
 
 import gymnasium
 
@@ -12,7 +12,7 @@ from prp_gym.viewing.controller_source import ControllerSource
 from prp_gym.viewing.policy_source import PolicySource
 
 
-class Catalogue:
+class PolicyCatalogue:
     """The policies of an environment by name: its controllers, then its agents.
 
     Args:
