@@ -15,9 +15,9 @@ from prp_gym.runs.selection import Selection
 from prp_gym.runs.terminal import make_console
 from prp_gym.tasks.registration import list_envs
 from prp_gym.viewing.agent_source import AgentSource
-from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.controller_source import ControllerSource
 from prp_gym.viewing.inner_controller_source import InnerControllerSource
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.policy_source import PolicySource
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.viewer import Viewer

@@ -5,8 +5,8 @@ import pytest
 from prp_gym.agents.policy.agent_file import list_agents
 from prp_gym.baselines import gain_sets
 from prp_gym.errors import UnknownNameError
-from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.inner_controller_source import InnerControllerSource
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from tests.support.viewing_sessions import controller_source
 
 FORCE = "PRP-Force-v0"

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.plots import make_plots
+from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.viewer import Viewer
 from prp_gym.viewing.web.cameras import CAMERAS, FIELD_OF_VIEW, look
