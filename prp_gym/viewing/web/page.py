@@ -55,6 +55,7 @@ class Page:
         server.gui.main_panel.dock_right()
         self._notice = ""
         self._next = 0.0
+        self._charted: tuple[object, ...] = ()
 
     def show(self, viewer: Viewer) -> bool:
         """Show the present state; the page stays open until the command ends."""
@@ -64,9 +65,15 @@ class Page:
         if now >= self._next:
             self._next = now + _EVERY
             self._refresh(viewer)
-            if viewer.session.time > 0.0:
-                self._charts.show(make_plots(viewer.session))
+            self._show_charts(viewer.session)
         return True
+
+    def _show_charts(self, session: Session) -> None:
+        """Show the plots, unless nothing has changed since."""
+        present = (session.inner, session.seed, session.time, session.policy, session.surface)
+        if session.time > 0.0 and present != self._charted:
+            self._charted = present
+            self._charts.show(make_plots(session))
 
     def say(self, text: str) -> None:
         """Show a notice in every browser, and in the status until the next one."""

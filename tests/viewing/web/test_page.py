@@ -15,7 +15,7 @@ from tests.support.viewing_sessions import SEED, controller_session
 pytest.importorskip("viser", reason="the extra `view` is not installed")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on this machine")
 
-FORCE = "PRP-Force-v0"
+TASK, CONTROLLER = "PRP-JointRegulation-v0", "joint_inverse_dynamics"
 TEXT = "(document.body?.innerText ?? '')"
 PATIENCE = 60.0  # s
 
@@ -34,14 +34,14 @@ def served() -> Iterator[tuple[Viewer, str]]:
     from prp_gym.viewing.web.page import Page
     from prp_gym.viewing.web.server import serving
 
-    viewer, closed = Viewer(controller_session(FORCE, "parallel_force_position")), threading.Event()
+    viewer, closed = Viewer(controller_session(TASK, CONTROLLER)), threading.Event()
     with serving("127.0.0.1", 0, "prp_gym") as server:
 
         class ClosablePage(Page):
             def show(self, viewer: Viewer) -> bool:
                 return super().show(viewer) and not closed.is_set()
 
-        page = ClosablePage(server, viewer, PolicyCatalogue(FORCE, 500.0, viewer.session.source))
+        page = ClosablePage(server, viewer, PolicyCatalogue(TASK, 500.0, viewer.session.source))
         thread = threading.Thread(target=viewer.run, args=(page,), daemon=True)
         thread.start()
         try:
@@ -56,6 +56,10 @@ def click_button(tab: Tab, label: str) -> None:
     find = f"[...document.querySelectorAll('button')].find(b => b.innerText.trim() === '{label}')"
     tab.wait_for(f"!!{find}")
     tab.evaluate(f"{find}.click()")
+
+
+def open_tab(tab: Tab, label: str) -> None:
+    tab.press(f"[...document.querySelectorAll('[role=tab]')].find(b => b.innerText === '{label}')", "Enter")
 
 
 def test_user_moves_a_slider_takes_a_step_and_sees_the_plots(
@@ -73,17 +77,18 @@ def test_user_moves_a_slider_takes_a_step_and_sees_the_plots(
         until(lambda: session.time > before)
         assert session.time == pytest.approx(before + session.period)
 
-        click_button(tab, "Settings")
+        open_tab(tab, "Settings")
+        tab.wait_for("document.querySelectorAll('[role=slider]').length > 0")
         for _ in range(5):
             tab.press("document.querySelectorAll('[role=slider]')[0]", "ArrowRight")
         name = session.parameters[0].name
         until(lambda: session.factors[name] == pytest.approx(1.05))
         gain = session.policy.settings.proportional_gain  # type: ignore[attr-defined]
-        assert gain[:3] == pytest.approx(14400.0 * session.factors[name] ** 2)
+        assert gain[0] == pytest.approx(6400.0 * 1.05**2)  # the bandwidth of joint 1
 
-        tab.wait_for("document.querySelectorAll('.uplot').length === 3")
-        for shown in (FORCE, f"seed {SEED}", "paused", "Contact force on the surface [N]", "desired"):
+        tab.wait_for("document.querySelectorAll('.uplot').length === 2")
+        for shown in (TASK, f"seed {SEED}", "paused", "Joint error", "predicted: second-order response"):
             tab.wait_for(f"{TEXT}.includes('{shown}')")
-        click_button(tab, "Run")
+        open_tab(tab, "Run")
         click_button(tab, "Reset")
         until(lambda: session.time == 0.0)
