@@ -87,7 +87,7 @@ def test_user_moves_a_slider_takes_a_step_and_sees_the_plots(
         assert gain[0] == pytest.approx(6400.0 * 1.05**2)  # the bandwidth of joint 1
 
         tab.wait_for("document.querySelectorAll('.uplot').length === 2")
-        for shown in (TASK, f"seed {SEED}", "paused", "Joint error", "predicted: second-order response"):
+        for shown in (TASK, f"seed {SEED}", "paused", "Joint error", "joint 2 [m]"):
             tab.wait_for(f"{TEXT}.includes('{shown}')")
         open_tab(tab, "Run")
         click_button(tab, "Reset")
