@@ -348,3 +348,16 @@ class MissingPackageError(PRPError, RuntimeError):
         self.extra = extra
         wanted = f"'prp-gym[{extra}]'" if extra else package
         super().__init__(f"{package} is not installed; install it with: pip install {wanted}")
+
+
+class PortError(PRPError, RuntimeError):
+    """A network port on which a page cannot be served."""
+
+    def __init__(self, host: str, port: int, reason: str) -> None:
+        self.host = host
+        self.port = port
+        self.reason = reason
+        super().__init__(
+            f"port {port} of {shortened(host)} cannot be used: {reason}. Choose another one with --port, or 0"
+            " for any that is free."
+        )

@@ -21,6 +21,7 @@ from prp_gym.cli.ship_gains import ship_gains_command
 from prp_gym.cli.train import train_command
 from prp_gym.cli.tune import tune_command
 from prp_gym.cli.tune_all import tune_all_command
+from prp_gym.cli.view import view_command
 from prp_gym.cli.zoo import zoo_command
 from prp_gym.console.legible import write_legibly
 from prp_gym.console.terminal import Terminal
@@ -43,6 +44,7 @@ COMMANDS: Mapping[str, Callable[..., None]] = {
     "train": train_command,
     "tune": tune_command,
     "tune-all": tune_all_command,
+    "view": view_command,
     "zoo": zoo_command,
 }
 """The functions of the commands by name."""

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 from mujoco.batch import Batch
 
+from prp_gym.errors import InvalidValueError
 from prp_gym.physics.mjcf import TIP_RADIUS
 from prp_gym.physics.model_fields import Ids, ModelFields, check_not_negative, check_positive, check_rows
 from prp_gym.physics.surface import Surface, friction_reference, solver_reference
@@ -48,6 +49,29 @@ class ArmFields(ModelFields):
         body = self.batch.model.body("surface").id
         self.batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
         self.batch.expand("body_quat")[ids, body] = surface.quaternions()
+
+    def set_springs(self, ids: Ids, stiffness: Array, damping: Array) -> None:
+        """See `Physics.set_springs`."""
+        self._require_surface(ids)
+        check_positive("surface stiffness", stiffness, (len(ids),), "N/m")
+        check_not_negative("surface damping", damping, (len(ids),), "N·s/m")
+        self._springs[ids] = np.stack([stiffness, damping], axis=-1)
+        self._calibrate(ids)
+
+    def surface(self, simulation: int) -> Surface:
+        """See `Physics.surface`."""
+        self._require_surface(np.array([simulation]))
+        body = self.batch.model.body("surface").id
+        center = self.batch.expand("body_pos")[simulation, body]
+        w, x, y, z = self.batch.expand("body_quat")[simulation, body]
+        normal = np.array([[2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]])
+        stiffness, damping = self._springs[simulation : simulation + 1].T
+        return Surface(stiffness, damping, normal, dot(normal, center) + TIP_RADIUS)
+
+    def _require_surface(self, ids: Ids) -> None:
+        """Refuse simulations whose surface was never set, or that have none."""
+        if np.isnan(self._springs[ids]).any():
+            raise InvalidValueError("surface", "none", "a simulation whose surface was set")
 
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array

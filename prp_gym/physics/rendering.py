@@ -5,7 +5,7 @@ import sys
 import threading
 import warnings
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import mujoco
@@ -168,13 +168,20 @@ class WindowRenderer:
         model: Model of the simulation to show.
         data: The viewer's own copy of the state; `show` updates it.
         camera: Name of the camera, one of `CAMERAS`.
+        on_key: Called with the code of every key that is pressed in the window, in the thread of the window.
 
     Raises:
         RenderingError: There is no display.
         UnknownNameError: There is no such camera.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, camera: str) -> None:
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        camera: str,
+        on_key: Callable[[int], None] = lambda _: None,
+    ) -> None:
         check_view(1, 1, camera)
         if not has_display():
             raise RenderingError(NO_DISPLAY)
@@ -184,7 +191,9 @@ class WindowRenderer:
         try:
             import mujoco.viewer
 
-            self._viewer = mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
+            self._viewer = mujoco.viewer.launch_passive(
+                model, data, key_callback=on_key, show_left_ui=False, show_right_ui=False
+            )
         except (RuntimeError, ImportError, mujoco.FatalError) as error:
             raise RenderingError(f"render_mode 'human' needs a display and OpenGL: {error}") from error
         self._threads = set(threading.enumerate()) - before
@@ -192,6 +201,11 @@ class WindowRenderer:
         self._canvas = Canvas(model, self._viewer.user_scn, _WINDOW_HEIGHT)
         with self._viewer.lock():
             self._viewer.opt.geomgroup[SURFACE_GROUP] = 0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the user has not closed the window."""
+        return bool(self._viewer.is_running())
 
     def show(self, model: mujoco.MjModel, data: mujoco.MjData, overlay: Sequence[OverlayItem]) -> None:
         """Update the window, including the position of the surface."""

@@ -106,6 +106,28 @@ class Physics(Simulation):
             raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
         self._fields.set_surface(ids, surface, self._home_tip if center is None else center)
 
+    def set_springs(self, ids: Ids, stiffness: Array, damping: Array) -> None:
+        """Set the stiffness and damping of surfaces that stay where they are, from the next `advance` on.
+
+        Args:
+            ids: Indices of the simulations (n).
+            stiffness: Stiffness K (n) [N/m], above 0.
+            damping: Damping D (n) [N s/m], at least 0.
+
+        Raises:
+            InvalidValueError: A simulation without a surface, a value outside its range.
+            ShapeError: An argument has another shape.
+        """
+        self._fields.set_springs(ids, stiffness, damping)
+
+    def surface(self, simulation: int = 0) -> Surface:
+        """The surface of one simulation, one plane.
+
+        Raises:
+            InvalidValueError: A simulation without a surface.
+        """
+        return self._fields.surface(simulation)
+
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
     ) -> None:

@@ -36,9 +36,10 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "runs": ("envs", "baselines", "agents", "tuning", "console"),
     "recording": ("envs", "runs"),
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
+    "viewing": ("envs", "baselines", "agents", "tuning", "reproduction", "runs"),
     "cli": (
         *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction"),
-        *("console", "runs", "recording", "comparison"),
+        *("console", "runs", "recording", "comparison", "viewing"),
     ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
@@ -58,6 +59,7 @@ MORE_THIRD_PARTY = {
     "runs": {"cloudpickle", "joblib", "ray"},
     "tables": {"pandas", "rich"},
     "tuning": {"optuna"},
+    "viewing": {"rich", "viser"},
 }
 
 
