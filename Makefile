@@ -13,7 +13,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c const
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants mutants-reproduce fuzz kills clients lint type bench \
-        peers docs frames tune train compare audit learn-check clean
+        peers docs frames tune train compare audit learn-check first-ten-minutes clean
 
 install: $(VENV)/.core
 
@@ -48,6 +48,10 @@ lint: $(VENV)/.dev
 
 type: $(VENV)/.dev
 	$(BIN)/mypy
+
+# Follows README's commands in a new clone of this repository, whose packages it downloads.
+first-ten-minutes: $(VENV)/.core
+	$(BIN)/python -m bench.first_ten_minutes
 
 bench: $(VENV)/.dev peers
 	$(BIN)/python -m bench
