@@ -143,7 +143,7 @@ ControlFrequency = Annotated[float, _CONTROL_FREQUENCY]
 KnownControlFrequency = Annotated[float | None, _CONTROL_FREQUENCY]
 Budget = Annotated[int | None, _BUDGET]
 Output = Annotated[Path, _output(True)]
-RunOutput = Annotated[Path | None, _output("results/<command>/<date and time>")]
+RunOutput = Annotated[Path | None, _output("a new folder in results")]
 OutputOfPackage = Annotated[Path | None, _output("that of the package")]
 RunName = Annotated[
     str,

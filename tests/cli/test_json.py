@@ -55,6 +55,7 @@ def test_document_is_what_the_results_file_holds(command: str, tmp_path: Path, s
     options = ("-e", TASK, "-s", "realistic", "-n", "2", "-j", "1", "-o", str(tmp_path))
     more = ("--draws", "1") if command == "audit" else ("-b", "joint_pd", "-b", "adaptive")
     found = document(command, *options, *more)
+    assert len(found.pop("tables")) >= 2
     assert found == json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
     assert {row["environment"] for row in found["evaluations"]} == {TASK}
 
@@ -62,6 +63,7 @@ def test_document_is_what_the_results_file_holds(command: str, tmp_path: Path, s
 def test_document_of_a_search_is_its_result(tmp_path: Path, short_episodes: None) -> None:
     options = ("joint_pd", "-e", TASK, "--budget", "100", "-n", "2", "-o", str(tmp_path))
     found = document("tune", *options)
+    assert [row["settings"] for row in found.pop("tables")[0]["rows"]] == ["start", "result"]
     kept = json.loads((tmp_path / f"{TASK}_joint_pd" / "result.json").read_text(encoding="utf-8"))
     assert found.items() <= kept.items()
     assert (found["environment"], found["controller"], found["trials"]) == (TASK, "joint_pd", 5)
