@@ -48,7 +48,7 @@ def _default(parameter: Any) -> str:
     shown = getattr(parameter, "show_default", "")
     if parameter.required:
         return ""
-    if parameter.default is None:
+    if parameter.default in (None, ""):
         return shown if isinstance(shown, str) else ""
     if isinstance(parameter.default, list):
         return ", ".join(f"`{item}`" for item in parameter.default)

@@ -64,6 +64,16 @@ def _output(default: str | bool) -> Any:
     )
 
 
+def _action_mode(default: str | bool) -> Any:
+    return typer.Option(
+        "--action-mode",
+        "-m",
+        help="Action mode of the agent.",
+        show_default=default,
+        autocompletion=completion.action_modes,
+    )
+
+
 _GAINS: Any = typer.Option(
     "--gains",
     "-g",
@@ -76,13 +86,6 @@ _BUDGET: Any = typer.Option(
     "--budget", help="Control steps to simulate at most in a search, of all environments together."
 )
 _CONTROL_FREQUENCY: Any = typer.Option("--control-frequency", help="Control frequency [Hz].")
-_ACTION_MODE: Any = typer.Option(
-    "--action-mode",
-    "-m",
-    help="Action mode of the agent.",
-    show_default="that of the shipped agents, or of the recipes of --config",
-    autocompletion=completion.action_modes,
-)
 _SEED: Any = typer.Option(
     "--seed", help="Random seed: of the first episode, of a search, or of the training that was done."
 )
@@ -215,8 +218,11 @@ Algorithm = Annotated[
         autocompletion=completion.algorithms,
     ),
 ]
-ActionMode = Annotated[str, _ACTION_MODE]
-DefaultActionMode = Annotated[str | None, _ACTION_MODE]
+ActionMode = Annotated[str, _action_mode(True)]
+KnownActionMode = Annotated[str | None, _action_mode("torque, or that of the agent")]
+DefaultActionMode = Annotated[
+    str | None, _action_mode("that of the shipped agents, or of the recipes of --config")
+]
 RecipeFile = Annotated[
     Path | None,
     typer.Option("--config", help="Recipes in YAML, in place of those that come with the suite."),

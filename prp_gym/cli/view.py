@@ -8,9 +8,9 @@ from prp_gym.checks import choice
 from prp_gym.cli.one_policy import name_agent, name_controller
 from prp_gym.cli.options import (
     AgentPaths,
-    DefaultActionMode,
     EnvironmentArgument,
     Gains,
+    KnownActionMode,
     KnownControlFrequency,
     OneController,
     Plugins,
@@ -49,7 +49,7 @@ def view_command(
     seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
-    action_mode: DefaultActionMode = None,
+    action_mode: KnownActionMode = None,
     control_frequency: KnownControlFrequency = None,
     web: Annotated[
         bool, typer.Option("--web", help="Show a page in the browser also where there is a display.")
