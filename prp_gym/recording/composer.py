@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import MissingPackageError
+from prp_gym.extras import check
 from prp_gym.palette import BLACK, FORCE, GRAY, MEASURED, REFERENCE
 from prp_gym.recording.side import Side
 from prp_gym.recording.signals import Sample
@@ -33,10 +33,9 @@ class Composer:
     """
 
     def __init__(self, width: int, height: int, sides: int, title: str, duration: float) -> None:
-        try:
-            from PIL import ImageFont
-        except ImportError as error:
-            raise MissingPackageError("pillow", "record") from error
+        check("PIL")
+        from PIL import ImageFont  # on use: the package stays light
+
         self._size, self._title, self._duration = (width, height), title, duration
         self._column = width // sides
         self._top, self._chart_height = round(_HEADER * height), round(_CHARTS * height)

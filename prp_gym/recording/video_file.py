@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, MissingPackageError, OutputError
+from prp_gym.errors import InvalidValueError, OutputError
+from prp_gym.extras import check
 from prp_gym.processes.leftovers import part_of, remove
 
 Frames = Iterator[NDArray[np.uint8]]
@@ -42,10 +43,7 @@ def check_output(path: Path, width: int, height: int, fps: int) -> None:
     if suffix == ".gif" and _HUNDREDTHS % fps:
         raise InvalidValueError("--fps of a gif", fps, "a divisor of 100, such as 20, 25 or 50", "1/s")
     if suffix == ".mp4":
-        try:
-            import imageio_ffmpeg  # noqa: F401  # on use: the package stays light
-        except ImportError as error:
-            raise MissingPackageError("imageio-ffmpeg", "record") from error
+        check("imageio_ffmpeg")
     _refuse_existing(path)
 
 

@@ -53,6 +53,7 @@ def _part(
     table: ResultTable, cells: Sequence[Sequence[Text]], widths: Sequence[int], chosen: Sequence[int]
 ) -> Table:
     """Some columns of a table."""
+    wrapped = any(table.columns[index].wraps for index in chosen)
     made = Table(pad_edge=False, padding=(0, _GAP - 1, 0, 0))
     for index in chosen:
         column = table.columns[index]
@@ -61,7 +62,7 @@ def _part(
             justify="right" if column.numeric else "left",
             no_wrap=not column.wraps,
             overflow="fold",
-            vertical="bottom",
+            vertical="top" if wrapped else "bottom",  # of headings with several lines
         )
     for row in zip(*(cells[index] for index in chosen), strict=True):
         made.add_row(*row)
