@@ -1,7 +1,7 @@
 """The first ten minutes with README: `make first-ten-minutes`.
 
-README marks the blocks of commands that a newcomer types in his first ten minutes with the comment
-`<!-- first ten minutes -->`. They are run one after the other from an empty folder, in a new clone of this
+The comment `<!-- first ten minutes -->` stands above the blocks of README with the commands that a newcomer
+types in his first ten minutes. They are run one after the other from an empty folder, in a new clone of this
 repository with a new virtual environment, and every command is timed. A command that serves a page is timed
 until the page answers, and is then ended with Ctrl-C.
 """
@@ -54,7 +54,7 @@ class CommandError(RuntimeError):
 
 
 def list_commands(text: str) -> list[str]:
-    """The commands of the marked blocks of a Markdown text, without comments.
+    """The commands of the first ten minutes in a Markdown text, without comments.
 
     Args:
         text: content of README.
@@ -125,7 +125,7 @@ class TimedShell:
 
 
 def run_readme(text: str, repository: str, terminal: Terminal) -> list[TimedCommand]:
-    """Run the marked commands of a README from an empty folder.
+    """Run the commands of the first ten minutes of a README from an empty folder.
 
     Args:
         text: content of README; `REPOSITORY` stands for the repository to clone.
@@ -133,11 +133,11 @@ def run_readme(text: str, repository: str, terminal: Terminal) -> list[TimedComm
         terminal: terminal to which the commands are told.
 
     Raises:
-        CommandError: a command that fails, or no marked commands.
+        CommandError: a command that fails, or none that are to be run.
     """
     commands = list_commands(text)
     if not commands:
-        raise CommandError("README marks no commands with <!-- first ten minutes -->")
+        raise CommandError("README has no block below a comment <!-- first ten minutes -->")
     done = []
     with tempfile.TemporaryDirectory() as folder:
         empty = Path(folder) / "empty"

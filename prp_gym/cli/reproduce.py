@@ -63,8 +63,8 @@ def reproduce_command(
         write_summary(folder.path, outcomes, answers, command)
         write_index(folder.path, outcomes, answers, command, figure_format)
     content = FileReader(RECORD_SIZE).read_json(folder.path / SUMMARY)
-    place = f"figures, tables and explanations: {folder.path / 'index.md'}"
-    terminal.report(content, [verdict_table(outcomes), answers_table(answers)], lines=[place])
+    told = f"figures, tables and explanations: {folder.path / 'index.md'}"
+    terminal.report(content, [verdict_table(outcomes), answers_table(answers)], lines=[told])
     if any(verdict.word == "FAIL" for outcome in outcomes for verdict in outcome.verdicts):
         raise typer.Exit(_FAILED)
 

@@ -18,7 +18,7 @@ from prp_gym.cli.main import app
 from prp_gym.console.terminal import Terminal
 
 README = Path(__file__).resolve().parents[2] / "README.md"
-MARK = "<!-- first ten minutes -->\n"
+COMMENT = "<!-- first ten minutes -->\n"
 PAGE = """#!{python}
 import http.server, sys
 sys.argv[1:2] == ["view"] or sys.exit(2)
@@ -36,7 +36,7 @@ except KeyboardInterrupt:
 """
 
 
-def test_readme_marks_every_step_of_the_first_ten_minutes() -> None:
+def test_readme_has_every_step_of_the_first_ten_minutes() -> None:
     commands = list_commands(README.read_text(encoding="utf-8"))
     assert commands[:4] == [
         "git clone REPOSITORY prp_gym",
@@ -49,12 +49,12 @@ def test_readme_marks_every_step_of_the_first_ten_minutes() -> None:
     assert used <= set(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
 
 
-def test_marked_commands_run_where_the_last_one_ended(tmp_path: Path) -> None:
+def test_commands_run_where_the_last_one_ended(tmp_path: Path) -> None:
     (tmp_path / "mine").write_text("content", encoding="utf-8")
     text = (
         "```\nfalse\n```\n\n"
-        f"{MARK}<!-- test: a => b -->\n```\nmkdir made    # a comment\ncd made\nexport FIRST=1\n```\n\n"
-        f"{MARK}```\ntest $FIRST = 1\ntest $(basename $PWD) = made\ncat REPOSITORY/mine > here\n```\n"
+        f"{COMMENT}<!-- test: a => b -->\n```\nmkdir made    # a comment\ncd made\nexport FIRST=1\n```\n\n"
+        f"{COMMENT}```\ntest $FIRST = 1\ntest $(basename $PWD) = made\ncat REPOSITORY/mine > here\n```\n"
     )
     done = run_readme(text, str(tmp_path), Terminal(quiet=True))
     assert [item.command for item in done][:2] == ["mkdir made", "cd made"]
@@ -64,8 +64,8 @@ def test_marked_commands_run_where_the_last_one_ended(tmp_path: Path) -> None:
 
 def test_command_that_fails_is_named_with_what_it_printed() -> None:
     with pytest.raises(CommandError, match=r"(?s)echo told; false\nended with 1:\ntold"):
-        run_readme(f"{MARK}```\necho told; false\n```\n", "", Terminal(quiet=True))
-    with pytest.raises(CommandError, match="marks no commands"):
+        run_readme(f"{COMMENT}```\necho told; false\n```\n", "", Terminal(quiet=True))
+    with pytest.raises(CommandError, match="has no block"):
         run_readme("```\ntrue\n```\n", "", Terminal(quiet=True))
 
 
