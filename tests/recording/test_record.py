@@ -1,6 +1,7 @@
 """The command `prp-gym record`: what its videos show, and what it refuses."""
 
 import itertools
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -165,8 +166,9 @@ def test_recording_that_fails_leaves_nothing(
 def test_missing_package_is_named_with_its_install_line(
     package: str, suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = prp_gym.extras.find_spec
-    monkeypatch.setattr(prp_gym.extras, "find_spec", lambda name: None if name == package else found(name))
+    monkeypatch.setattr(
+        prp_gym.extras, "find_spec", lambda name: None if name == package else find_spec(name)
+    )
     with pytest.raises(MissingPackageError, match=rf"{package} .*pip install 'prp-gym\[record\]'"):
         record(FORCE, *CONTROLLER, *SHORT, "--output", str(tmp_path / f"force.{suffix}"))
 
