@@ -20,7 +20,6 @@ ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = {
     "agents": ("stable_baselines3", "sb3_contrib", "torch", "tensorboard", "yaml"),
     "tune": ("optuna",),
-    "pandas": ("pandas",),
     "ray": ("ray",),
     "record": ("imageio_ffmpeg",),
     "video": ("moviepy",),
