@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.action_mode import ActionMode, Memory
 from prp_gym.envs.config import EnvConfig
+from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.info import AVERAGED, LAST
-from prp_gym.envs.core.loop import STATE, EpisodeLoop, LoopState
+from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import ShapeError
 from prp_gym.robot.arrays import Array
@@ -56,25 +58,25 @@ class ModeLoop(EpisodeLoop):
         self._share = 1.0 / periods
         self._shares = np.where([rule == AVERAGED for rule in rules], self._share, 1.0)
 
-    def reset(
+    def _begin(
         self,
         ids: NDArray[np.intp],
         rngs: Sequence[np.random.Generator],
         options: Mapping[str, Array],
     ) -> Array:
-        """Start new episodes in some environments; see `EpisodeLoop.reset`."""
-        observation = super().reset(ids, rngs, options)
+        """See `EpisodeLoop`."""
+        observation = super()._begin(ids, rngs, options)
         self._starts[ids] = True
         self._observation[ids] = observation[ids]
         return self._observation.copy()
 
-    def set_state(self, state: LoopState) -> Array:
-        """Restore a state; see `EpisodeLoop.set_state`."""
-        super().set_state(state)
+    def _restore(self, state: LoopState) -> Array:
+        """See `EpisodeLoop`."""
+        super()._restore(state)
         return self._observation.copy()
 
-    def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
-        """Advance every environment by the period of one action; see `EpisodeLoop.step`.
+    def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
+        """Advance every environment by the period of one action; see `EpisodeLoop`.
 
         The results of an environment that diverges are those of the period in which it does so.
 
@@ -86,7 +88,7 @@ class ModeLoop(EpisodeLoop):
             raise ShapeError("action", action.shape, f"{self._action_shape}")
         waiting = np.zeros(self.num_envs, dtype=np.bool_) if idle is None else idle.copy()
         self.require_ready(waiting)
-        held = self.clipped(np.where(waiting[:, None], 0.0, action))
+        held = clip_actions(np.where(waiting[:, None], 0.0, action))
         outcome = self._period(held, waiting)
         terminated = outcome.terminated & ~waiting
         for _ in range(self._periods - 1):
@@ -112,7 +114,7 @@ class ModeLoop(EpisodeLoop):
     def _period(self, action: Array, waiting: NDArray[np.bool_]) -> Step:
         """Advance by one period of the inner controller; its reward counts by its share of the step."""
         torque, self._memory = self._mode.torque(action, self._observation, self._memory, self._starts)
-        outcome = super().step(torque, waiting if np.count_nonzero(waiting) else None)
+        outcome = super()._advance(torque, waiting if np.count_nonzero(waiting) else None)
         self._starts = np.zeros_like(self._starts)
         self._observation = outcome.observation
         return outcome._replace(reward=outcome.reward * self._share, info=outcome.info * self._shares)
