@@ -132,7 +132,7 @@ def test_tuned_renders_its_target_on_every_surface() -> None:
 
 
 def test_tuned_tolerates_model_errors_sensor_errors_and_a_one_step_actuation_delay() -> None:
-    """For both `WRONG_MASSES`, with noise and without, side by side."""
+    """For both `MASS_FACTORS`, with noise and without, side by side."""
     cases = repeated(random_cases(6, 30), 4)
     arms, path, still = poor_arms(30, (0.05, 0.0)), pushing(cases, 0.06), 0.0 * cases.into
     recording = simulate(controller(NAME, "tuned"), cases.joint_position, cases.wall, still, 8.0, path, arms)

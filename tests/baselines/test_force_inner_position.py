@@ -126,7 +126,7 @@ def test_tuned_settles_on_every_surface_and_overshoots_little() -> None:
 
 
 def test_tuned_tolerates_model_errors_sensor_errors_and_a_one_step_actuation_delay() -> None:
-    """For both `WRONG_MASSES`, side by side."""
+    """For both `MASS_FACTORS`, side by side."""
     cases = repeated(random_cases(2, 40), 2)
     world = poor_arms(40, (0.05,))
     made = controller(NAME, "tuned")

@@ -73,7 +73,7 @@ def random_cases(seed: int, count: int) -> Cases:
     return Cases(q, into, wall, np.minimum(force, 0.08 * stiffness))
 
 
-WRONG_MASSES = ((0.7, 0.7, 0.7), (1.3, 0.7, 1.3))
+MASS_FACTORS = ((0.7, 0.7, 0.7), (1.3, 0.7, 1.3))
 """Factors of the link masses that controllers do not know of."""
 
 
@@ -89,12 +89,12 @@ def repeated(cases: Cases, times: int) -> Cases:
 
 
 def poor_arms(count: int, noises: tuple[float, ...]) -> Imperfection:
-    """So many arms with each noise and each of the `WRONG_MASSES`, these one round after the other.
+    """So many arms with each noise and each of the `MASS_FACTORS`, these one round after the other.
 
     They have noise and bias up to 0.1 N of the force sensor, where there is noise, and a one-step actuation
     delay.
     """
-    rounds = [(noise, factors) for noise in noises for factors in WRONG_MASSES]
+    rounds = [(noise, factors) for noise in noises for factors in MASS_FACTORS]
     bias = np.random.default_rng(3).uniform(-0.1, 0.1, size=(count, 3))
     return Imperfection(
         tuple(_with_masses(factors) for _, factors in rounds for _ in range(count)),
