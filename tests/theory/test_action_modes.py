@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from prp_gym.action_modes import SMOOTHING_TIME, ModeSetup, commanded, make_action_mode
-from prp_gym.baselines.base.gains import load_gains
+from prp_gym.baselines import load_gains, make_baseline
 from prp_gym.envs import PRPEnv
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from tests.support.contact_episodes import side_by_side
 from tests.support.control_interface import oracle_jacobian
-from tests.support.mode_episodes import made
+from tests.support.mode_episodes import environment, made
 from tests.support.pinocchio_model import PinocchioArm
 
-IMPEDANCE = load_gains("impedance", "tuned", "PRP-Impedance-v0")
-M_D, K_D, K_P = (float(np.ravel(IMPEDANCE[name])[0]) for name in ("inertia", "damping", "stiffness"))
+IMPEDANCE = make_baseline("impedance", environment("PRP-Impedance-v0")).settings
+M_D, K_D, K_P = (float(getattr(IMPEDANCE, name)[0]) for name in ("inertia", "damping", "stiffness"))
 FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
 INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
 TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
@@ -99,7 +99,7 @@ def test_tip_settles_where_springs_towards_the_moved_pose_hold_each_other(mode: 
 OPERATIONAL = load_gains("operational_pd", "tuned", "PRP-PoseRegulation-v0")
 WEIGHTS: dict[str, Array] = {
     "operational_position": np.full(6, OPERATIONAL["proportional_gain"]),
-    "impedance": np.full(6, IMPEDANCE["stiffness"]) / np.array(IMPEDANCE["inertia"]),
+    "impedance": IMPEDANCE.stiffness / IMPEDANCE.inertia,
     "admittance": np.ones(6),
     "force_position": np.ones(6),
 }
@@ -222,11 +222,13 @@ def test_force_error_decays_so_many_times_as_fast() -> None:
     # on the surface from the start, taring takes readings below 2.8 σ of the sensor's noise for its bias
     np.testing.assert_allclose(force[-1], 3.0, rtol=0, atol=2.8 * 0.05)
     errors = force[-1] - force
-    rate, inner = np.log(errors[10] / errors[16]) / 0.3, np.sqrt(FORCE["proportional_gain"])
-    # the slowest root of s (1 + s/p)^2 (1 + 0.2 s/ω_n) + ω_c (1 + D s/K + 2 s/p) = 0 with the inner loop's
-    # double pole p and the nominal bandwidth ω_n; a period of 0.002 s more or less makes 2 %
-    inertia = (1.0 - rate / inner) ** 2 * (1.0 - 0.2 * rate / FORCE["bandwidth"])
-    lead = 1.0 - rate * (DAMPING / STIFF + 2.0 / inner)
+    rate = np.log(errors[10] / errors[16]) / 0.3
+    stiffness, damping = FORCE["proportional_gain"][1], FORCE["derivative_gain"][1]
+    lag = damping / stiffness
+    # the slowest root of s (1 + T s + s²/K_P) (1 + 0.2 s/ω_n) + ω_c (1 + D s/K + T s) = 0 with T = K_D/K_P
+    # and K_P of the inner loop and the nominal bandwidth ω_n; a period of 0.002 s more or less makes 2 %
+    inertia = (1.0 - lag * rate + rate**2 / stiffness) * (1.0 - 0.2 * rate / FORCE["bandwidth"])
+    lead = 1.0 - rate * (DAMPING / STIFF + lag)
     np.testing.assert_allclose(rate * inertia / lead, factors * FORCE["bandwidth"], rtol=0.02)
 
 
