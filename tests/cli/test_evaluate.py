@@ -207,8 +207,8 @@ def test_workers_of_other_code_are_refused_and_nothing_of_theirs_is_kept(
 
 @pytest.mark.parametrize(("jobs", "told"), [(0, True), (1, False), (2, True)])
 def test_times_measured_on_a_busy_machine_are_told_to_be_so(tmp_path: Path, jobs: int, told: bool) -> None:
-    options = ("--env", IDS[1], "--baseline", CONTROLLERS[0], "--scenario", "report", "--jobs", str(jobs))
-    options += ("--gains", "tuned_50hz", "--control-frequency", "50")
+    options = ["--env", IDS[1], "--baseline", CONTROLLERS[0], "--scenario", "report", "--jobs", str(jobs)]
+    options += ["--gains", "tuned_50hz", "--control-frequency", "50"]
     result = RUNNER.invoke(app, ["evaluate", "--output", str(tmp_path), *options])
     assert result.exit_code == 0, result.output
     assert ("compute time: measured beside other work" in result.stdout) == told
