@@ -51,5 +51,6 @@ def test_rows_have_their_own_masses_and_friction() -> None:
     parameters = (NOMINAL, NOMINAL.scaled((0.7, 1.3, 1.3)), ROUGH)
     together = advance(Arms.of(parameters), q, v, torque, None, 2)
     for row, own in enumerate(parameters):
-        alone = advance(Arms.of([own]), *(part[row : row + 1] for part in (q, v, torque)), None, 2)
+        rows = slice(row, row + 1)
+        alone = advance(Arms.of([own]), q[rows], v[rows], torque[rows], None, 2)
         np.testing.assert_array_equal([part[0] for part in alone], [part[row] for part in together])

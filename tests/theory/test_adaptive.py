@@ -1,4 +1,4 @@
-"""Adaptive control of the simulated arm with link masses 30 % off, on the report's sine, for 20 s.
+"""Adaptive control of the simulated arm with link masses 30 % off, on the report's sine, for 10 s.
 
 The controller with fixed parameters and the same link-mass errors is `joint_inverse_dynamics` with the same
 feedback: in adaptive control σ˙ = -K_D/B σ with σ = q̃˙ + Λq̃ makes K_P = ΛK_D/B and K_D = Λ + K_D/B, with B's
@@ -33,11 +33,12 @@ MIXED = ((0.7, 1.3, 1.3), (1.3, 0.7, 0.7))
 def last_error(
     controller: str, factors: Factors, start: dict[str, Array], gains: str = "tuned", **own: Any
 ) -> float:
-    """Of a controller whose model has masses times `factors`; without adaptation 5 s are enough to settle."""
-    duration = 20.0 if controller == "adaptive" else 5.0
+    """Of a controller whose model has masses times `factors`; without adaptation 3 s are enough to settle."""
+    duration = 10.0 if controller == "adaptive" else 3.0
     with closing(gymnasium.make(TRACKING, scenario="report", reference="sine", duration=duration)) as env:
         policy = prp_gym.make_baseline(controller, env, gains, model=NOMINAL.scaled(factors), **own)
         fields = record_episode(policy, env, 0, start).fields
+    assert len(fields["joint_position"]) > 500.0 * duration  # it has not diverged
     error = (fields["desired_joint_position"] - fields["joint_position"])[-500:]
     return float(np.sqrt(np.mean(np.sum(error**2, axis=1))))
 
@@ -49,7 +50,11 @@ def same_feedback() -> dict[str, Any]:
     assert isinstance(controller, AdaptiveController)
     damping = controller.settings.damping_gain / np.diagonal(PRPArm().inertia_matrix(CENTER))
     gain = controller.settings.reference_gain
-    return {"proportional_gain": gain * damping, "derivative_gain": gain + damping}
+    return {
+        "proportional_gain": gain * damping,
+        "derivative_gain": gain + damping,
+        "integral_gain": 0.0,  # that of the tuned set is for stiffer feedback: with this one it is unstable
+    }
 
 
 @pytest.mark.parametrize("factors", [LIGHT, HEAVY, *MIXED])

@@ -48,7 +48,7 @@ def grid(stiffnesses: Array) -> list[Press]:
 
 def press(environment_id: str, controller: str, cases: list[Press], **options: Any) -> tuple[Array, Array]:
     """Final forces along and across the inward normals [N], all cases side by side."""
-    env: Any = gymnasium.make(environment_id, scenario="report", duration=8.0, **options).unwrapped
+    env: Any = gymnasium.make(environment_id, scenario="report", duration=5.0, **options).unwrapped
     # the tip starts on the surface, so that taring would count a part of the force as the bias of the sensor
     untared = {"taring": "none"} if "taring" in BASELINES[controller].settings_class.choices else {}
     policy, loop = prp_gym.make_baseline(controller, env, **untared), env.make_loop(len(cases))
