@@ -76,7 +76,8 @@ def tune_command(
     """Tune a controller with a budget of simulated steps, and validate the result on fresh episodes.
 
     The ten best candidates are run on 20 fresh episodes, the best three of them on 100 more, together with
-    the gains from which the search started; these are the result unless a candidate is better.
+    the gains from which the search started; these are the result unless a candidate is better by more than
+    twice the standard error of the difference.
     """
     if env not in list_envs():
         raise UnknownNameError("environment", env, list_envs())
@@ -152,7 +153,10 @@ def _show(result: TunedController, target: Path) -> None:
         f"{checked.episodes} validation episodes; 1 is perfect."
     )
     if checked.kept_start:
-        console.print("No candidate was better than the start on the validation episodes: it is the result.")
+        console.print(
+            "No candidate was better than the start by more than chance on the validation episodes: the "
+            "start is the result."
+        )
     for edge, reason in result.edges.items():
         console.print(f"The best candidate lies at an edge of {edge} end: {reason}.", highlight=False)
     console.print(

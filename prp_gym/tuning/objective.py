@@ -17,6 +17,9 @@ HOPELESS = 1.25
 
 Settings = Mapping[str, Any]
 
+EpisodeRows = Sequence[Sequence[float]]
+"""Scores of one policy, by scenario and episode [1]."""
+
 
 class ScenarioCandidates(NamedTuple):
     """The candidates of a search in one scenario.
@@ -108,18 +111,18 @@ class Objective:
                     running.remove(item)
         return [found[number] for number in range(len(proposals))]
 
-    def score(self, settings_of: Sequence[Callable[[Candidates], Settings]]) -> list[float]:
-        """Mean scores of given settings, over all episodes of all scenarios.
+    def episode_scores(self, settings_of: Sequence[Callable[[Candidates], Settings]]) -> list[EpisodeRows]:
+        """Scores of given settings on all episodes of all scenarios.
 
         Args:
             settings_of: functions that give accepted settings from the candidates of a scenario.
         """
-        means: list[list[float]] = [[] for _ in settings_of]
+        rows: list[list[list[float]]] = [[] for _ in settings_of]
         for candidates, episodes in self._runs:
             policies = [candidates.make_policy(settings(candidates)) for settings in settings_of]
-            for own, outcome in zip(means, episodes.run_all(policies), strict=True):
-                own.append(float(outcome.scores.mean()))
-        return [_mean(own) for own in means]
+            for own, outcome in zip(rows, episodes.run_all(policies), strict=True):
+                own.append(outcome.scores.tolist())
+        return list(rows)
 
 
 @dataclass
@@ -142,6 +145,11 @@ class _Running:
         if best is None:
             return CandidateScore(_mean(means), self.steps, means, stopped=False)
         return CandidateScore(_estimate(means, best), self.steps, means, stopped=True)
+
+
+def mean_score(rows: EpisodeRows) -> float:
+    """The mean over scenarios of the mean over episodes [1]."""
+    return _mean([_mean(own) for own in rows])
 
 
 def _mean(values: Sequence[float]) -> float:

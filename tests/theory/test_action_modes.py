@@ -19,7 +19,7 @@ from tests.support.pinocchio_model import PinocchioArm
 
 IMPEDANCE = make_baseline("impedance", environment("PRP-Impedance-v0")).settings
 M_D, K_D, K_P = (float(getattr(IMPEDANCE, name)[0]) for name in ("inertia", "damping", "stiffness"))
-FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
+FORCE = make_baseline("parallel_force_position", environment("PRP-Force-v0")).settings
 INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
 TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
 DEPTH = 0.1  # [m] between their tips
@@ -207,7 +207,7 @@ def test_tip_approaches_a_surface_so_many_times_as_fast() -> None:
     # the inner loop lags by a constant distance once exp(-10 t) of the factor's own delay has decayed
     speed = (moved[-1] - moved[-5]) / 0.2
     # so fast that the tip can be braked while the force rises from half of 0.02 N to that, on 5 N/m
-    nominal = np.sqrt(2.0 * FORCE["approach_deceleration"] * 0.01 / 5.0)
+    nominal = np.sqrt(2.0 * FORCE.approach_deceleration * 0.01 / 5.0)
     np.testing.assert_allclose(speed, factors * nominal, rtol=1e-3)
 
 
@@ -223,13 +223,13 @@ def test_force_error_decays_so_many_times_as_fast() -> None:
     np.testing.assert_allclose(force[-1], 3.0, rtol=0, atol=2.8 * 0.05)
     errors = force[-1] - force
     rate = np.log(errors[10] / errors[16]) / 0.3
-    stiffness, damping = FORCE["proportional_gain"][1], FORCE["derivative_gain"][1]
+    stiffness, damping = FORCE.proportional_gain[1], FORCE.derivative_gain[1]
     lag = damping / stiffness
     # the slowest root of s (1 + T s + s²/K_P) (1 + 0.2 s/ω_n) + ω_c (1 + D s/K + T s) = 0 with T = K_D/K_P
     # and K_P of the inner loop and the nominal bandwidth ω_n; a period of 0.002 s more or less makes 2 %
-    inertia = (1.0 - lag * rate + rate**2 / stiffness) * (1.0 - 0.2 * rate / FORCE["bandwidth"])
+    inertia = (1.0 - lag * rate + rate**2 / stiffness) * (1.0 - 0.2 * rate / FORCE.bandwidth)
     lead = 1.0 - rate * (DAMPING / STIFF + lag)
-    np.testing.assert_allclose(rate * inertia / lead, factors * FORCE["bandwidth"], rtol=0.02)
+    np.testing.assert_allclose(rate * inertia / lead, factors * FORCE.bandwidth, rtol=0.02)
 
 
 def test_command_inputs_follow_the_action_with_their_time_constant() -> None:
