@@ -13,8 +13,8 @@ from prp_gym.physics import Physics
 from prp_gym.physics.rendering import OffscreenRenderer
 from tests.support.synthetic_mode import LATE
 
-# fifty examples, the same ones in every run, however busy the machine is
-settings.register_profile("suite", max_examples=50, deadline=None, derandomize=True)
+# the same examples in every run, however busy the machine is
+settings.register_profile("suite", deadline=None, derandomize=True)
 settings.load_profile("suite")
 
 

@@ -108,15 +108,6 @@ class EpisodeLoop:
             InvalidValueError: ids out of order or out of range, or a first call for some environments only.
             PRPError: a start or goal that the task refuses.
         """
-        return self._viewed(self._begin(ids, rngs, options))
-
-    def _begin(
-        self,
-        ids: NDArray[np.intp],
-        rngs: Sequence[np.random.Generator],
-        options: Mapping[str, Array],
-    ) -> Array:
-        """Start new episodes, see `reset`; returns the fields of the task as the sensors read them."""
         check_ids(ids, self.num_envs, started=self.started)
         starts, plants, seeds = [], [], []
         for row, rng in enumerate(rngs):
@@ -137,6 +128,10 @@ class EpisodeLoop:
         self._all_ready = not self._needs_reset.any()
         self.ground_truth = self._measure()
         self.task.complete(self.ground_truth)
+        return self._viewed(self._begun(ids))
+
+    def _begun(self, ids: NDArray[np.intp]) -> Array:
+        """The fields of the task as the sensors read them, after some environments have begun an episode."""
         return self._observe()
 
     def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
@@ -278,13 +273,13 @@ class EpisodeLoop:
         Raises:
             InvalidValueError: a state of another number of environments.
         """
-        return self._viewed(self._restore(state))
-
-    def _restore(self, state: LoopState) -> Array:
-        """Restore a state, see `set_state`; returns the fields of the task as the sensors read them."""
         rest = copy.deepcopy(state.rest)
         self.physics.restore(state.physics)
         self.__dict__.update(rest)
+        return self._viewed(self._restored())
+
+    def _restored(self) -> Array:
+        """The fields of the task as the sensors read them, after a state was restored."""
         return self._observe()
 
     def current_state(self) -> LoopState:

@@ -1,7 +1,6 @@
 """An episode loop whose torques come from an inner controller that receives the actions."""
 
 import time
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from prp_gym.envs.config import EnvConfig
 from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.info import AVERAGED, LAST
 from prp_gym.envs.core.loop import EpisodeLoop
-from prp_gym.envs.core.loop_state import STATE, LoopState
+from prp_gym.envs.core.loop_state import STATE
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import ShapeError
 from prp_gym.robot.arrays import Array
@@ -58,21 +57,14 @@ class ModeLoop(EpisodeLoop):
         self._share = 1.0 / periods
         self._shares = np.where([rule == AVERAGED for rule in rules], self._share, 1.0)
 
-    def _begin(
-        self,
-        ids: NDArray[np.intp],
-        rngs: Sequence[np.random.Generator],
-        options: Mapping[str, Array],
-    ) -> Array:
+    def _begun(self, ids: NDArray[np.intp]) -> Array:
         """See `EpisodeLoop`."""
-        observation = super()._begin(ids, rngs, options)
         self._starts[ids] = True
-        self._observation[ids] = observation[ids]
+        self._observation[ids] = super()._begun(ids)[ids]
         return self._observation.copy()
 
-    def _restore(self, state: LoopState) -> Array:
+    def _restored(self) -> Array:
         """See `EpisodeLoop`."""
-        super()._restore(state)
         return self._observation.copy()
 
     def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:

@@ -5,9 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import gymnasium
+import numpy as np
 
 from prp_gym.errors import PRPError
 from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.robot.arrays import Array
 from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.trial import Trial
@@ -102,7 +104,7 @@ class Objective:
                     found[item.number] = CandidateScore(0.0, self.most_steps, (0.0,) * len(self._runs), False)
                     running.remove(item)
             for item, outcome in zip(running, episodes.run_all(policies) if policies else [], strict=True):
-                item.means.append(float(outcome.scores.mean()))
+                item.means.append(_episode_mean(outcome.scores))
                 item.steps += outcome.steps
             for item in list(running):
                 whole = len(item.means) == len(self._runs)
@@ -149,7 +151,11 @@ class _Running:
 
 def mean_score(rows: EpisodeRows) -> float:
     """The mean over scenarios of the mean over episodes [1]."""
-    return _mean([_mean(own) for own in rows])
+    return _mean([_episode_mean(own) for own in rows])
+
+
+def _episode_mean(scores: Array | Sequence[float]) -> float:
+    return float(np.mean(scores))
 
 
 def _mean(values: Sequence[float]) -> float:

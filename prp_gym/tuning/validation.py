@@ -113,9 +113,7 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
     named = [f"final {index}" for index in finalists]
     *rows, start = scores.find([*named, "final start"], lambda names: scored(final, names))
     results = [mean_score(own) for own in rows]
-    gain, error = 0.0, 0.0
-    chosen = 0
-    score_of_start = score = mean_score(start)
+    chosen, score, gain, error = 0, mean_score(start), 0.0, 0.0
     if finalists:
         leader = max(range(len(results)), key=results.__getitem__)
         gain, error = paired_gain(rows[leader], start)
@@ -127,7 +125,7 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
             seed=VALIDATION_SEED,
             episodes=final.episodes,
             score=score,
-            score_of_start=score_of_start,
+            score_of_start=mean_score(start),
             kept_start=chosen == 0,
             gain=gain,
             gain_error=error,
