@@ -22,13 +22,14 @@ def test_arm_accelerates_as_the_motion_control_asks_across_the_force() -> None:
     torque, state = chosen.control(observed, ())
     assert state == ()
     oracle = PinocchioArm()
+    settings = chosen.settings
     n = observed["desired_force"] / np.linalg.norm(observed["desired_force"], axis=-1, keepdims=True)
     rate = np.einsum("nk,nk->n", n, observed["end_effector_velocity"][:, :3])[:, None]
-    applied = observed["desired_force"] - 30.0 * rate * n
+    applied = observed["desired_force"] - settings.approach_damping * rate * n
     expected = (
         observed["desired_acceleration"]
-        + 240.0 * (observed["desired_velocity"] - observed["end_effector_velocity"])
-        + 14400.0 * (observed["desired_pose"] - observed["end_effector_pose"])
+        + settings.derivative_gain * (observed["desired_velocity"] - observed["end_effector_velocity"])
+        + settings.proportional_gain * (observed["desired_pose"] - observed["end_effector_pose"])
     )
     expected[:, :3] -= np.einsum("nk,nk->n", n, expected[:, :3])[:, None] * n
     found = pose_acceleration(oracle, observed, torque, applied)

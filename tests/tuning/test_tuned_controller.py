@@ -196,6 +196,8 @@ def test_every_shipped_controller_is_what_its_name_says() -> None:
         assert type(controller.make(env)) is CONTROLLERS.find(controller.controller).policy
         env.close()
         checked = controller.validation
-        assert checked.score == max(checked.score_of_start, *checked.finalists), name
-        assert checked.kept_start == (checked.score == checked.score_of_start), name
+        best = max(checked.finalists)
+        assert checked.gain == pytest.approx(best - checked.score_of_start, abs=1e-12), name
+        assert checked.kept_start == (checked.gain <= 2.0 * checked.gain_error), name
+        assert checked.score == (checked.score_of_start if checked.kept_start else best), name
         assert controller.used_steps <= controller.budget_steps * (1.0 + EXTRA), name
