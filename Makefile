@@ -23,8 +23,9 @@ evaluate: $(VENV)/.core
 reproduce: $(VENV)/.core
 	$(BIN)/prp-gym reproduce
 
+# Tests start this package's commands a hundred times; with bytecode they need not compile it each time.
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist worksteal
 
 test-lowest: $(LOWEST)/.tests
 	$(LOWEST)/bin/python -m pytest $(LOWEST_TESTS)

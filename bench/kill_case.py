@@ -118,8 +118,8 @@ CASES: Mapping[str, KillCase] = {
     ),
     "tune": KillCase(
         (
-            *("tune", "joint_pd", "--env", _ENVIRONMENT, "--budget", "10000", "--episodes", "2"),
-            *("--control-frequency", "100"),
+            *("tune", "joint_pd", "--env", "PRP-Adaptive-v0", "--scenario", "randomized"),
+            *("--budget", "750", "--episodes", "1", "--control-frequency", "50"),
         ),
         ("--resume",),
         "*/result.json",

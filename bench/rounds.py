@@ -69,6 +69,7 @@ class Effort:
         sizes: Sizes N of the native vector environment; the goals need 64, 256, 1024 and 4096.
         loop_sizes: Sizes N of the vector environments that loop over single ones.
         library_size: Size N of Stable-Baselines3's vector environments.
+        chunk_steps: Steps of the environments of a loop between two readings of the clock.
         duration: Duration of an episode [s].
         recipes: Number of training recipes that are measured.
         training_scale: Factor of the steps for which agents are trained.
@@ -81,13 +82,14 @@ class Effort:
     sizes: tuple[int, ...]
     loop_sizes: tuple[int, ...]
     library_size: int
+    chunk_steps: int
     duration: float
     recipes: int
     training_scale: float
 
 
-FULL = Effort(25, 5, 0.15, 0.25, (1, 8, 64, 256, 1024, 4096), (8, 64), 64, 5.0, 4, 1.0)
-QUICK = Effort(2, 2, 0.001, 0.001, (1, 4), (2,), 4, 0.1, 1, 0.001)
+FULL = Effort(25, 5, 0.15, 0.25, (1, 8, 64, 256, 1024, 4096), (8, 64), 64, 1024, 5.0, 4, 1.0)
+QUICK = Effort(2, 2, 0.001, 0.001, (1, 4), (2,), 4, 64, 0.1, 1, 0.001)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,6 @@ from bench.single import FREQUENCIES, REACHER_FREQUENCY, both_clocks, keywords, 
 from prp_gym.physics.clock import read_clock
 
 _PERIODS_BETWEEN_RESTARTS = 5
-_STEPS_A_CHUNK = 1024  # steps of single environments
 _ONE_THREAD = (64, 1024)
 _WHOLE_UP_TO = 8  # environments; larger numbers take too long
 _LONG = (CONTACT, 500.0)  # spreading its largest sizes would take minutes
@@ -124,7 +123,9 @@ def runs_whole_episodes(label: Label) -> bool:
     return label.kind == "adapter" or (label.kind == "native" and label.num_envs <= _WHOLE_UP_TO)
 
 
-def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Callable[[], None]]:
+def step_loop(
+    label: Label, duration: float, chunk_steps: int
+) -> tuple[Callable[[], float], Callable[[], None]]:
     """Function that runs a chunk of steps and returns their number, and one that ends the environments."""
     pack = make_pack(label, duration)
     actions = list(random_actions(label.num_envs, pack.joints))
@@ -132,7 +133,7 @@ def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Calla
     calls = pack.calls
     if not runs_whole_episodes(label):
         stagger(pack, actions)
-        calls = max(1, _STEPS_A_CHUNK // label.num_envs)
+        calls = max(1, chunk_steps // label.num_envs)
     steps = calls * label.num_envs * pack.horizon / pack.calls
 
     def chunk() -> float:
@@ -143,17 +144,17 @@ def step_loop(label: Label, duration: float) -> tuple[Callable[[], float], Calla
     return chunk, pack.close
 
 
-def contender(label: Label, duration: float) -> list[Contender]:
+def contender(label: Label, effort: Effort) -> list[Contender]:
     """A vector environment, with and without MuJoCo's clock."""
     if label.kind == "async":  # the clock setting is that of the worker processes
-        return [_contender(replace(label, clock=clock), duration) for clock in (True, False)]
-    chunk, close = step_loop(label, duration)
+        return [_contender(replace(label, clock=clock), effort) for clock in (True, False)]
+    chunk, close = step_loop(label, effort.duration, effort.chunk_steps)
     first, second = both_clocks(label, timed(chunk))
     return [first, replace(second, close=close)]
 
 
-def _contender(label: Label, duration: float) -> Contender:
-    chunk, close = step_loop(label, duration)
+def _contender(label: Label, effort: Effort) -> Contender:
+    chunk, close = step_loop(label, effort.duration, effort.chunk_steps)
     return Contender(label, timed(chunk), close)
 
 
@@ -180,5 +181,5 @@ def labels(effort: Effort) -> Iterator[Label]:
 
 def contenders(effort: Effort) -> list[Contender]:
     """Vector environments, and the bare loops on all cores."""
-    found = [one for label in labels(effort) for one in contender(label, effort.duration)]
+    found = [one for label in labels(effort) for one in contender(label, effort)]
     return [*found, *cores.contenders(effort)]

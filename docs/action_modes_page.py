@@ -30,8 +30,8 @@ _INTRO = f"""What an action means is the keyword `action_mode`, of `gymnasium.ma
   would turn every jump into an impact. The torques of a residual are added at once.
 - Zero action leaves the controller as it is: the episode is, bit for bit, its own at {_RATE} Hz.
 - Sensors, actuators, reward and costs work at {_RATE} Hz, as they do for a controller on its own. A step's
-  reward, its terms and its costs are sums over the controller's periods; contact force and time are those at
-  the end.
+  reward and its terms are means over the controller's periods, its costs sums; contact force and time are
+  those at the end.
 - `prp_gym.evaluate` records at {_RATE} Hz, so that an agent's metrics compare with a controller's.
 - An environment has the modes whose controllers read what it observes, and refuses the others with a
   `MissingFieldError`. `make_baseline` refuses environments in modes other than `{TORQUE}`.

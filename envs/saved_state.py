@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from prp_gym.checks import check_finite
 from prp_gym.envs.config import EnvConfig
-from prp_gym.envs.core.loop import EpisodeLoop, LoopState
+from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.envs.core.loop_state import LoopState
 from prp_gym.envs.vector_info import Mask
 from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.batch_simulation import PhysicsState

@@ -1,15 +1,26 @@
 """What tests of several modules need."""
 
+import gc
 import os
 from collections.abc import Iterator
 
 import pytest
+from hypothesis import settings
 
 from prp_gym.action_modes import ACTION_MODES, register_action_mode
 from prp_gym.errors import RenderingError
 from prp_gym.physics import Physics
 from prp_gym.physics.rendering import OffscreenRenderer
 from tests.support.synthetic_mode import LATE
+
+# the same examples in every run, however busy the machine is
+settings.register_profile("suite", deadline=None, derandomize=True)
+settings.load_profile("suite")
+
+
+def pytest_collection_finish() -> None:
+    """Cases and imported libraries stay to the end, so that no search for unreachable objects visits them."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

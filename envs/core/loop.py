@@ -5,36 +5,26 @@ It is vectorised over N; a single environment is a loop with N = 1.
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.action_mode import ActionField, torque_field
-from prp_gym.envs.config import SUBSTEPS_PER_SECOND, EnvConfig
+from prp_gym.envs.base.error_observation import ErrorObservation
+from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
+from prp_gym.envs.core.argument_checks import check_ids, clip_actions
+from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
-from prp_gym.errors import EpisodeError, InvalidValueError, NonFiniteError, ShapeError
-from prp_gym.physics.batch_simulation import PhysicsState
+from prp_gym.errors import EpisodeError, ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
-STATE = (
-    *("task", "ground_truth", "commanded_torque", "_actuators", "_sensors", "_window"),
-    *("_needs_reset", "_all_ready"),
-)
-"""Attributes that make up the state of a loop, beside the state of its physics."""
-
-
-class LoopState(NamedTuple):
-    """The complete state of a loop."""
-
-    physics: PhysicsState
-    rest: dict[str, Any]
 
 
 class EpisodeLoop:
@@ -82,12 +72,13 @@ class EpisodeLoop:
         self.physics.watch(bound)
         self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
         self._substeps = config.substeps
+        self._errors = ErrorObservation(task.layout, task.model) if config.observation == ERRORS else None
+        self.observation_layout = task.layout if self._errors is None else self._errors.layout
         self._lay_out()
 
     def _lay_out(self) -> None:
         """Find the columns of the ground truth that are measured, given by the reference, and observed."""
         layout, measured = self.task.layout, self.physics.measurement_size
-        self.observation_layout = layout
         self._space = layout.space()
         self._shape = self.ground_truth.shape
         self._measured = np.s_[:, :measured]
@@ -117,7 +108,7 @@ class EpisodeLoop:
             InvalidValueError: ids out of order or out of range, or a first call for some environments only.
             PRPError: a start or goal that the task refuses.
         """
-        self._check_ids(ids)
+        check_ids(ids, self.num_envs, started=self.started)
         starts, plants, seeds = [], [], []
         for row, rng in enumerate(rngs):
             starts.append(self.task.draw(rng, {name: values[row] for name, values in options.items()}))
@@ -137,14 +128,11 @@ class EpisodeLoop:
         self._all_ready = not self._needs_reset.any()
         self.ground_truth = self._measure()
         self.task.complete(self.ground_truth)
-        return self._observe()
+        return self._viewed(self._begun(ids))
 
-    def _check_ids(self, ids: NDArray[np.intp]) -> None:
-        rising = len(ids) > 0 and ids[0] >= 0 and ids[-1] < self.num_envs and (np.diff(ids) > 0).all()
-        if not rising:
-            raise InvalidValueError("ids", ids.tolist(), f"rising, from 0 to {self.num_envs - 1}")
-        if not self.started and len(ids) < self.num_envs:
-            raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
+    def _begun(self, ids: NDArray[np.intp]) -> Array:
+        """The fields of the task as the sensors read them, after some environments have begun an episode."""
+        return self._observe()
 
     def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """Advance every environment by one control period.
@@ -162,6 +150,13 @@ class EpisodeLoop:
             NonFiniteError: NaN or infinity in the action; the state is unchanged.
             EpisodeError: an environment that was never reset, or has diverged.
         """
+        outcome = self._advance(action, idle)
+        if self._errors is None:
+            return outcome
+        return outcome._replace(observation=self._errors(outcome.observation))
+
+    def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
+        """Advance by one control period, see `step`; the observations are the fields of the task."""
         if action.shape != self._limit.shape:
             raise ShapeError("action", action.shape, f"{self._limit.shape}")
         if idle is not None:
@@ -199,20 +194,7 @@ class EpisodeLoop:
         inside = np.abs(action) < self._full
         if np.count_nonzero(inside) == inside.size:
             return action, None
-        return self.clipped(action), ~inside
-
-    def clipped(self, action: Array) -> Array:
-        """Clip actions (N, size) to ±1.
-
-        Raises:
-            NonFiniteError: NaN or infinity in an action.
-        """
-        bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
-        if len(bad):
-            what = "action" if self.num_envs == 1 else f"action of environments {bad.tolist()}"
-            raise NonFiniteError(what, action[bad].tolist())
-        within: Array = np.clip(action, -1.0, 1.0)
-        return within
+        return clip_actions(action), ~inside
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds in this step (N); they need a reset."""
@@ -228,6 +210,10 @@ class EpisodeLoop:
         self.physics.measure(ground_truth[self._measured])
         ground_truth[self._referenced] = self._window.current
         return ground_truth
+
+    def _viewed(self, fields: Array) -> Array:
+        """Observations (N, size) from the fields of the task as the sensors read them."""
+        return fields if self._errors is None else self._errors(fields)
 
     def _observe(self) -> Array:
         """The sensors' reading of the ground truth, a new array; clipped to its bounds after a divergence."""
@@ -290,6 +276,10 @@ class EpisodeLoop:
         rest = copy.deepcopy(state.rest)
         self.physics.restore(state.physics)
         self.__dict__.update(rest)
+        return self._viewed(self._restored())
+
+    def _restored(self) -> Array:
+        """The fields of the task as the sensors read them, after a state was restored."""
         return self._observe()
 
     def current_state(self) -> LoopState:

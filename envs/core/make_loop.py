@@ -3,20 +3,12 @@
 from collections.abc import Callable
 
 from prp_gym.envs.action_mode import TORQUE, ModeSetup, make_action_mode
-from prp_gym.envs.config import ERRORS, FIELDS, EnvConfig
-from prp_gym.envs.core.error_loop import ErrorLoop
-from prp_gym.envs.core.error_mode_loop import ErrorModeLoop
+from prp_gym.envs.config import EnvConfig
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.mode_loop import ModeLoop
 from prp_gym.tasks.task import Task
 
 TaskMaker = Callable[[EnvConfig], Task]
-
-_LOOPS: dict[str, tuple[type[EpisodeLoop], type[ModeLoop]]] = {
-    FIELDS: (EpisodeLoop, ModeLoop),
-    ERRORS: (ErrorLoop, ErrorModeLoop),
-}
-"""The loop without and the loop with an inner controller, by the kind of observation."""
 
 
 def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_threads: int) -> EpisodeLoop:
@@ -34,9 +26,8 @@ def make_loop(make_task: TaskMaker, config: EnvConfig, num_envs: int, num_thread
     """
     inner = config.inner
     task = make_task(inner)
-    torque_loop, mode_loop = _LOOPS[config.observation]
     if config.action_mode == TORQUE:
-        return torque_loop(task, inner, num_envs, num_threads)
+        return EpisodeLoop(task, inner, num_envs, num_threads)
     limit = config.limits(task.model.parameters.torque_limit)
     mode = make_action_mode(config.action_mode, ModeSetup(task, limit, 1.0 / inner.control_frequency))
-    return mode_loop(task, inner, mode, config.periods, num_envs, num_threads)
+    return ModeLoop(task, inner, mode, config.periods, num_envs, num_threads)

@@ -1,15 +1,16 @@
 """An episode loop whose torques come from an inner controller that receives the actions."""
 
 import time
-from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.action_mode import ActionMode, Memory
 from prp_gym.envs.config import EnvConfig
+from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.info import AVERAGED, LAST
-from prp_gym.envs.core.loop import STATE, EpisodeLoop, LoopState
+from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.envs.core.loop_state import STATE
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import ShapeError
 from prp_gym.robot.arrays import Array
@@ -56,25 +57,18 @@ class ModeLoop(EpisodeLoop):
         self._share = 1.0 / periods
         self._shares = np.where([rule == AVERAGED for rule in rules], self._share, 1.0)
 
-    def reset(
-        self,
-        ids: NDArray[np.intp],
-        rngs: Sequence[np.random.Generator],
-        options: Mapping[str, Array],
-    ) -> Array:
-        """Start new episodes in some environments; see `EpisodeLoop.reset`."""
-        observation = super().reset(ids, rngs, options)
+    def _begun(self, ids: NDArray[np.intp]) -> Array:
+        """See `EpisodeLoop`."""
         self._starts[ids] = True
-        self._observation[ids] = observation[ids]
+        self._observation[ids] = super()._begun(ids)[ids]
         return self._observation.copy()
 
-    def set_state(self, state: LoopState) -> Array:
-        """Restore a state; see `EpisodeLoop.set_state`."""
-        super().set_state(state)
+    def _restored(self) -> Array:
+        """See `EpisodeLoop`."""
         return self._observation.copy()
 
-    def step(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
-        """Advance every environment by the period of one action; see `EpisodeLoop.step`.
+    def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
+        """Advance every environment by the period of one action; see `EpisodeLoop`.
 
         The results of an environment that diverges are those of the period in which it does so.
 
@@ -86,7 +80,7 @@ class ModeLoop(EpisodeLoop):
             raise ShapeError("action", action.shape, f"{self._action_shape}")
         waiting = np.zeros(self.num_envs, dtype=np.bool_) if idle is None else idle.copy()
         self.require_ready(waiting)
-        held = self.clipped(np.where(waiting[:, None], 0.0, action))
+        held = clip_actions(np.where(waiting[:, None], 0.0, action))
         outcome = self._period(held, waiting)
         terminated = outcome.terminated & ~waiting
         for _ in range(self._periods - 1):
@@ -112,7 +106,7 @@ class ModeLoop(EpisodeLoop):
     def _period(self, action: Array, waiting: NDArray[np.bool_]) -> Step:
         """Advance by one period of the inner controller; its reward counts by its share of the step."""
         torque, self._memory = self._mode.torque(action, self._observation, self._memory, self._starts)
-        outcome = super().step(torque, waiting if np.count_nonzero(waiting) else None)
+        outcome = super()._advance(torque, waiting if np.count_nonzero(waiting) else None)
         self._starts = np.zeros_like(self._starts)
         self._observation = outcome.observation
         return outcome._replace(reward=outcome.reward * self._share, info=outcome.info * self._shares)

@@ -89,7 +89,8 @@ def tune_command(
     The mean over the scenarios is maximised, among which the episodes of a candidate are divided. The search
     starts from the gains `tuned`, or `tuned_50hz` where these are unstable. The ten best candidates are run
     on 20 fresh episodes, the best three of them on 100 more, together with the gains from which the search
-    started; these are the result unless a candidate is better.
+    started; these are the result unless a candidate is better by more than twice the standard error of the
+    difference.
     """
     (environment_id,) = check_names("environment", [only("--env", env)], list_envs())
     steps = _budget(budget, like, control_frequency)
@@ -182,6 +183,9 @@ def _notes(result: TunedController) -> Iterator[str]:
 def _findings(result: TunedController) -> Iterator[str]:
     """What the search found beside the scores."""
     if result.validation.kept_start:
-        yield "No candidate was better than the start on the validation episodes: it is the result."
+        yield (
+            "No candidate was better than the start by more than chance on the validation episodes: the "
+            "start is the result."
+        )
     for edge, reason in result.edges.items():
         yield f"The best candidate lies at an edge of {edge} end: {reason}."

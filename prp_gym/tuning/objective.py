@@ -5,9 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import gymnasium
+import numpy as np
 
 from prp_gym.errors import PRPError
 from prp_gym.evaluation.evaluate import episodes_to_run
+from prp_gym.robot.arrays import Array
 from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.episodes import Episodes
 from prp_gym.tuning.trial import Trial
@@ -16,6 +18,9 @@ HOPELESS = 1.25
 """A candidate that loses more than this times what the best one loses, in the same scenarios, is stopped."""
 
 Settings = Mapping[str, Any]
+
+EpisodeRows = Sequence[Sequence[float]]
+"""Scores of one policy, by scenario and episode [1]."""
 
 
 class ScenarioCandidates(NamedTuple):
@@ -99,7 +104,7 @@ class Objective:
                     found[item.number] = CandidateScore(0.0, self.most_steps, (0.0,) * len(self._runs), False)
                     running.remove(item)
             for item, outcome in zip(running, episodes.run_all(policies) if policies else [], strict=True):
-                item.means.append(float(outcome.scores.mean()))
+                item.means.append(_episode_mean(outcome.scores))
                 item.steps += outcome.steps
             for item in list(running):
                 whole = len(item.means) == len(self._runs)
@@ -108,18 +113,18 @@ class Objective:
                     running.remove(item)
         return [found[number] for number in range(len(proposals))]
 
-    def score(self, settings_of: Sequence[Callable[[Candidates], Settings]]) -> list[float]:
-        """Mean scores of given settings, over all episodes of all scenarios.
+    def episode_scores(self, settings_of: Sequence[Callable[[Candidates], Settings]]) -> list[EpisodeRows]:
+        """Scores of given settings on all episodes of all scenarios.
 
         Args:
             settings_of: functions that give accepted settings from the candidates of a scenario.
         """
-        means: list[list[float]] = [[] for _ in settings_of]
+        rows: list[list[list[float]]] = [[] for _ in settings_of]
         for candidates, episodes in self._runs:
             policies = [candidates.make_policy(settings(candidates)) for settings in settings_of]
-            for own, outcome in zip(means, episodes.run_all(policies), strict=True):
-                own.append(float(outcome.scores.mean()))
-        return [_mean(own) for own in means]
+            for own, outcome in zip(rows, episodes.run_all(policies), strict=True):
+                own.append(outcome.scores.tolist())
+        return list(rows)
 
 
 @dataclass
@@ -142,6 +147,15 @@ class _Running:
         if best is None:
             return CandidateScore(_mean(means), self.steps, means, stopped=False)
         return CandidateScore(_estimate(means, best), self.steps, means, stopped=True)
+
+
+def mean_score(rows: EpisodeRows) -> float:
+    """The mean over scenarios of the mean over episodes [1]."""
+    return _mean([_episode_mean(own) for own in rows])
+
+
+def _episode_mean(scores: Array | Sequence[float]) -> float:
+    return float(np.mean(scores))
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from prp_gym.tuning.candidates import Candidates
-from prp_gym.tuning.objective import Objective
+from prp_gym.tuning.objective import EpisodeRows, Objective, mean_score
 from prp_gym.tuning.task import VALIDATION_SEED
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tune import Tuned
@@ -20,6 +20,9 @@ CANDIDATES, SELECTION_EPISODES = 10, 20
 FINALISTS, FINAL_EPISODES = 3, 100
 """The best candidates on these, and the further fresh episodes that compare them with the start."""
 
+STANDARD_ERRORS = 2.0
+"""A candidate is better than the start if its mean is higher by more than so many errors of the gain."""
+
 DIGITS = 4
 """Significant digits of the settings that are validated, and that are the result."""
 
@@ -29,7 +32,9 @@ _SELECTION_SEED = VALIDATION_SEED + 1_000_000
 class Scores(Protocol):
     """Keeps scores, so that a search that was killed in its validation goes on there; see `StoredScores`."""
 
-    def find(self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[float]]) -> list[float]:
+    def find(
+        self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[EpisodeRows]]
+    ) -> list[EpisodeRows]:
         """The scores of these names; those that are not kept are computed together."""
 
 
@@ -43,6 +48,8 @@ class Validation:
         score: score of the settings that were chosen [1].
         score_of_start: score of the settings from which the search started [1].
         kept_start: whether these were chosen, since no candidate was better.
+        gain: mean score of the best finalist less that of the start [1]; 0 without a finalist.
+        gain_error: standard error of the gain over the final episodes, which both ran [1].
         selection_seed: seed of the first episode on which the finalists were selected.
         selection_episodes: number of these episodes.
         selection: scores of the best candidates on these episodes, in the order of their training scores [1].
@@ -54,6 +61,8 @@ class Validation:
     score: float
     score_of_start: float
     kept_start: bool
+    gain: float
+    gain_error: float
     selection_seed: int
     selection_episodes: int
     selection: tuple[float, ...]
@@ -77,8 +86,9 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
     """Validate the best candidates of a search, and choose one of them or the start.
 
     The ten best candidates run 20 fresh episodes, the best three of them 100 more together with the start.
-    The best of these is chosen, the start unless a candidate is better. The candidates' settings are rounded
-    before; those of the start are left as they are.
+    The best of these is chosen, the start unless a candidate's mean is higher by more than `STANDARD_ERRORS`
+    of the difference: 100 episodes cannot tell smaller ones from chance, and there are three to choose from.
+    The candidates' settings are rounded before; those of the start are left as they are.
 
     Args:
         tuned: what the search has tried.
@@ -88,36 +98,60 @@ def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores
     objective = make_objective(_SELECTION_SEED, SELECTION_EPISODES)
     final = make_objective(VALIDATION_SEED, FINAL_EPISODES)
 
-    def scored(stage: Objective, names: Sequence[str]) -> list[float]:
-        return stage.score([settings_of[name.partition(" ")[2]] for name in names])
+    def scored(stage: Objective, names: Sequence[str]) -> list[EpisodeRows]:
+        return stage.episode_scores([settings_of[name.partition(" ")[2]] for name in names])
 
     best = _best_indices(tuned.trials)
     settings_of: dict[str, Callable[[Candidates], Mapping[str, Any]]] = {
         str(index): partial(rounded_settings, factors=tuned.trials[index].factors) for index in best
     }
     settings_of["start"] = start_settings
-    selection = scores.find([f"selection {index}" for index in best], lambda names: scored(objective, names))
+    rows = scores.find([f"selection {index}" for index in best], lambda names: scored(objective, names))
+    selection = [mean_score(own) for own in rows]
     order = sorted(range(len(best)), key=lambda number: -selection[number])[:FINALISTS]
     finalists = [best[number] for number in order]
     named = [f"final {index}" for index in finalists]
-    *results, start = scores.find([*named, "final start"], lambda names: scored(final, names))
-    found = max(results, default=-math.inf)
-    kept = found <= start
-    trial = tuned.trials[0] if kept else tuned.trials[finalists[results.index(found)]]
+    *rows, start = scores.find([*named, "final start"], lambda names: scored(final, names))
+    results = [mean_score(own) for own in rows]
+    chosen, score, gain, error = 0, mean_score(start), 0.0, 0.0
+    if finalists:
+        leader = max(range(len(results)), key=results.__getitem__)
+        gain, error = paired_gain(rows[leader], start)
+        if gain > STANDARD_ERRORS * error:
+            chosen, score = finalists[leader], results[leader]
     return Choice(
-        trial,
+        tuned.trials[chosen],
         Validation(
             seed=VALIDATION_SEED,
             episodes=final.episodes,
-            score=start if kept else found,
-            score_of_start=start,
-            kept_start=kept,
+            score=score,
+            score_of_start=mean_score(start),
+            kept_start=chosen == 0,
+            gain=gain,
+            gain_error=error,
             selection_seed=_SELECTION_SEED,
             selection_episodes=objective.episodes,
             selection=tuple(selection),
             finalists=tuple(results),
         ),
     )
+
+
+def paired_gain(rows: EpisodeRows, start: EpisodeRows) -> tuple[float, float]:
+    """By how much scores are higher than those of the start on the same episodes, and its standard error.
+
+    Args:
+        rows: scores by scenario and episode [1].
+        start: those of the start [1].
+
+    Returns:
+        the mean over scenarios of the mean difference, and its standard error [1]; a single episode, of a
+        deterministic scenario, has none.
+    """
+    differences = [np.subtract(own, other) for own, other in zip(rows, start, strict=True)]
+    variances = [item.var(ddof=1) / item.size if item.size > 1 else 0.0 for item in differences]
+    gain = float(np.mean([item.mean() for item in differences]))
+    return gain, math.sqrt(sum(variances)) / len(differences)
 
 
 def start_settings(candidates: Candidates) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ from prp_gym.baselines.base.approach_speed import FixedSpeed, SpeedForForce, bra
 from prp_gym.baselines.base.force_integral import ForceError, ScheduledGain, TipMotion
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
 from prp_gym.robot import PRPArm
-from tests.support.contact_cases import controller, flat, random_cases, random_observation
+from tests.support.contact_cases import controller, flat, random_cases, random_observation, repeated
 from tests.support.contact_plant import LIMIT, Wall, simulate
 
 Array = NDArray[np.float64]
@@ -108,16 +108,14 @@ def test_saturation_on_the_way_does_not_wind_the_integral(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FORCE_CONTROLLERS)
-@pytest.mark.parametrize("posture", [(0.3, -0.1, np.pi / 2), (0.3, -0.1, -np.pi / 2), (0.3, -0.3, np.pi / 2)])
-def test_postures_where_the_tip_s_position_is_singular_are_passed(
-    name: str, posture: tuple[float, float, float]
-) -> None:
-    q = np.array([posture])  # q_3 = ±π/2, and there L = 0 with q_2 = -0.3
-    into = np.array([[np.sin(0.3), -np.cos(0.3), 0.0]])
-    wall = Wall.ahead(PRPArm().forward_kinematics(q)[:, :3], into, np.full(1, 0.01), np.full(1, 2000.0))
+def test_postures_where_the_tip_s_position_is_singular_are_passed(name: str) -> None:
+    # q_3 = ±π/2, and there L = 0 with q_2 = -0.3
+    q = np.array([[0.3, -0.1, np.pi / 2], [0.3, -0.1, -np.pi / 2], [0.3, -0.3, np.pi / 2]])
+    into = np.tile([np.sin(0.3), -np.cos(0.3), 0.0], (3, 1))
+    wall = Wall.ahead(PRPArm().forward_kinematics(q)[:, :3], into, np.full(3, 0.01), np.full(3, 2000.0))
     recording = simulate(controller(name, "tuned"), q, wall, 3.0 * into, 1.2)
     np.testing.assert_allclose(recording.force[-1], 3.0 * into, atol=0.06)
-    np.testing.assert_allclose(recording.joint_position[-1, 0, 2], posture[2], atol=1e-3)
+    np.testing.assert_allclose(recording.joint_position[-1, :, 2], q[:, 2], atol=1e-3)
 
 
 def test_free_target_approaches_at_the_stated_speed() -> None:
@@ -262,11 +260,10 @@ def test_target_returns_slowly_to_a_surface_that_it_has_lost() -> None:
     np.testing.assert_allclose(lost[0][0] - touched[0][0], 0.002 * 0.02, rtol=1e-9)
 
 
-@pytest.mark.parametrize("stiffness", [50.0, 500.0])
-def test_damped_surface_is_pressed_without_a_limit_cycle(stiffness: float) -> None:
+def test_damped_surface_is_pressed_without_a_limit_cycle() -> None:
     """Without the low pass a damping of 10 N s/m on 50 N/m and ω_c = 20 rad/s bounces for ever."""
-    cases = random_cases(6, 4)
-    wall = replace(cases.wall, stiffness=np.full(4, stiffness), damping=np.full(4, 10.0))
+    cases = repeated(random_cases(6, 4), 2)
+    wall = replace(cases.wall, stiffness=np.repeat([50.0, 500.0], 4), damping=np.full(8, 10.0))
     chosen = controller("force_inner_position", "tuned")
     recording = simulate(chosen, cases.joint_position, wall, 2.5 * cases.into, 3.0)
     late = np.einsum("tnk,nk->tn", recording.force[-250:], cases.into)

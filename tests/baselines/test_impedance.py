@@ -68,9 +68,9 @@ def test_tip_in_contact_accelerates_as_the_model_as_far_as_the_joints_can() -> N
 
 
 def modelled(reference: Reference, wall: Wall, duration: float, numbers: tuple[float, ...]) -> Array:
-    """y (T, N) of M ÿ~ + D ẏ~ + K y~ = h, y~ = y_d - y, on each wall; Runge-Kutta, 0.2 ms."""
+    """y (T, N) of M ÿ~ + D ẏ~ + K y~ = h, y~ = y_d - y, on each wall; Runge-Kutta, 0.5 ms."""
     mass, damping, stiffness = numbers
-    h, conditions = 2e-4, []
+    h, conditions = 5e-4, []
     state = np.stack([np.full(np.shape(wall.stiffness), -0.54), np.zeros(np.shape(wall.stiffness))])
 
     def slope(time: float, at: Array) -> Array:
@@ -80,7 +80,7 @@ def modelled(reference: Reference, wall: Wall, duration: float, numbers: tuple[f
         return np.stack([at[1], curve + pull / mass])
 
     for step in range(round(duration / h)):
-        if step % 10 == 0:
+        if step % 4 == 0:
             conditions.append(state[0])
         time = step * h
         a = slope(time, state)

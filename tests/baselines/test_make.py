@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
+import numpy as np
 import pytest
 
 from prp_gym.baselines import (
@@ -17,6 +18,7 @@ from prp_gym.baselines import (
     JointPDController,
     gain_sets,
     list_baselines,
+    load_gains,
     make_baseline,
     make_controller,
     register_controller,
@@ -84,7 +86,9 @@ def test_task_s_target_impedance_replaces_no_gains_of_one_s_own() -> None:
     with closing(gymnasium.make("PRP-Impedance-v0", target_stiffness=[99.0] * 6)) as env:
         gains = {"inertia": 1.0, "damping": 10.0, "stiffness": 40.0}
         assert make_baseline("impedance", env, gains).settings.stiffness.tolist() == [40.0] * 6
-        assert make_baseline("impedance", env, "tuned").settings.stiffness.tolist() == [99.0] * 6
+        factors = load_gains("impedance", "tuned", "PRP-Impedance-v0").get("target_factor", {})
+        expected = (99.0 * np.array(factors.get("stiffness", [1.0] * 6))).tolist()
+        assert make_baseline("impedance", env, "tuned").settings.stiffness.tolist() == expected
 
 
 @pytest.mark.parametrize(

@@ -129,8 +129,8 @@ def test_only_force_compensation_keeps_the_reference_against_a_wall() -> None:
     depth, wall = 0.01, Wall(100.0, offset=-0.35)
     goal = (0.0, -0.2, 0.0)  # y = -0.34
     gains = {"proportional_gain": 100.0, "derivative_gain": 20.0}
-    compensated = simulate(controller(contact="compensated", **gains), goal, hold(goal), 5.0, wall=wall)
-    ignored = simulate(controller(contact="ignored", **gains), goal, hold(goal), 5.0, wall=wall)
+    compensated = simulate(controller(contact="compensated", **gains), goal, hold(goal), 2.5, wall=wall)
+    ignored = simulate(controller(contact="ignored", **gains), goal, hold(goal), 2.5, wall=wall)
     np.testing.assert_allclose(compensated.pose_error[-1, 0], 0.0, atol=1e-6)
     assert compensated.force[-1, 0, 1] == pytest.approx(100.0 * depth, rel=1e-4)
     assert ignored.pose_error[-1, 0, 1] > 0.1 * depth

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.baselines import TimeOptimalController, TimeOptimalSettings
-from prp_gym.robot import LinkParameters, PRPArm, RobotParameters
+from prp_gym.robot import NOMINAL, LinkParameters, PRPArm, RobotParameters
 from tests.support.control_interface import INTERFACE, LIMIT, LINK_INTERFACE, PERIOD
 from tests.support.controller_simulation import hold, simulate
 from tests.support.pinocchio_model import PinocchioArm, per_row, random_arm, random_states
@@ -157,9 +157,9 @@ def test_small_errors_decay_with_the_poles_of_the_gains() -> None:
 
 @pytest.mark.parametrize(("integral_gain", "remains"), [(0.0, True), (3000.0, False)])
 def test_only_the_integral_removes_what_link_mass_errors_leave(integral_gain: float, remains: bool) -> None:
-    heavy = PRPArm(PRPArm().parameters.with_masses((1.5, 1.0, 1.1)))
+    heavy = NOMINAL.with_masses((1.5, 1.0, 1.1))
     goal = (0.5, -0.2, 0.3)
-    run = simulate(arm(integral_gain=integral_gain), (0.0, -0.1, 0.0), hold(goal), 2.0, plant=heavy)
+    run = simulate(arm(integral_gain=integral_gain), (0.0, -0.1, 0.0), hold(goal), 2.0, plants=[heavy])
     # the third link's weight is compensated for three quarters only: 0.3 N m over K_P B = 142 N m/rad
     assert (abs(run.joint_error[-1, 0, 2]) > 1e-3) == remains
     if not remains:

@@ -132,14 +132,14 @@ def test_contenders_are_spread_unless_they_run_whole_episodes(
 ) -> None:
     found: list[int] = []
     monkeypatch.setattr(vector, "stagger", lambda pack, actions: found.append(len(actions[0])))
-    _, close = vector.step_loop(Label(kind, FREE, 50.0, count), QUICK.duration)
+    _, close = vector.step_loop(Label(kind, FREE, 50.0, count), QUICK.duration, QUICK.chunk_steps)
     close()
     assert found == spread
 
 
 def test_call_that_begins_an_episode_anew_is_no_step() -> None:
-    chunk, close = vector.step_loop(Label("sync", FREE, 50.0, 4), _HORIZON / 50)
-    assert chunk() == pytest.approx(1024 * _HORIZON / (_HORIZON + 1))  # rounding
+    chunk, close = vector.step_loop(Label("sync", FREE, 50.0, 4), _HORIZON / 50, 256)
+    assert chunk() == pytest.approx(256 * _HORIZON / (_HORIZON + 1))  # rounding
     close()
 
 
@@ -159,7 +159,7 @@ def test_whole_episodes_are_run_to_their_end(kind: str, monkeypatch: pytest.Monk
         return replace(pack, step=step)
 
     monkeypatch.setattr(vector, "make_pack", watched)
-    chunk, close = vector.step_loop(Label(kind, FREE, 50.0, 4), _HORIZON / 50)
+    chunk, close = vector.step_loop(Label(kind, FREE, 50.0, 4), _HORIZON / 50, QUICK.chunk_steps)
     for _ in range(2):
         assert chunk() == pytest.approx(4 * _HORIZON)  # rounding
     close()

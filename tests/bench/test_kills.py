@@ -4,7 +4,9 @@ import io
 import json
 import signal
 import sys
+import time
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from rich.console import Console
@@ -21,37 +23,45 @@ needs_proc = pytest.mark.skipif(
 )
 
 
+class Uninterrupted(NamedTuple):
+    """An uninterrupted search: its working folder, and how long it took [s]."""
+
+    folder: Path
+    seconds: float
+
+
 @pytest.fixture(scope="module")
-def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The working folder of an uninterrupted search."""
-    folder = tmp_path_factory.mktemp("reference")
+def reference(tmp_path_factory: pytest.TempPathFactory) -> Uninterrupted:
+    folder, start = tmp_path_factory.mktemp("reference"), time.monotonic()
     _, wrong = run_to_end((*CASES["tune"].arguments, "--output", OUTPUT), folder)
     assert wrong == []
-    return folder
+    return Uninterrupted(folder, time.monotonic() - start)
 
 
 @needs_proc
-@pytest.mark.parametrize(("number", "delay"), [(signal.SIGKILL, 2.0), (signal.SIGTERM, 3.0)])
+@pytest.mark.parametrize(("number", "share"), [(signal.SIGKILL, 0.6), (signal.SIGTERM, 0.8)])
 def test_interrupted_search_goes_on_to_the_same_end(
-    reference: Path, tmp_path: Path, number: signal.Signals, delay: float
+    reference: Uninterrupted, tmp_path: Path, number: signal.Signals, share: float
 ) -> None:
-    assert KillTrial(CASES["tune"], number, delay).faults(reference, tmp_path) == []
+    """After a share of its time, of which the start of the command takes about a third."""
+    trial = KillTrial(CASES["tune"], number, share * reference.seconds)
+    assert trial.faults(reference.folder, tmp_path) == []
 
 
 @needs_proc
-def test_faults_are_noticed(reference: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    result = next((reference / OUTPUT).glob("*/result.json"))
-    there = folder / result.relative_to(reference)
+def test_faults_are_noticed(reference: Uninterrupted, tmp_path: Path) -> None:
+    original, folder = reference.folder, tmp_path / "run"
+    result = next((original / OUTPUT).glob("*/result.json"))
+    there = folder / result.relative_to(original)
     there.parent.mkdir(parents=True)
     content = json.loads(result.read_bytes())
     there.write_text(json.dumps(content | {"seconds": 0.0}))
-    assert CASES["tune"].differences(reference, folder) == []
+    assert CASES["tune"].differences(original, folder) == []
     there.write_text(json.dumps(content | {"score": 0.5}))
-    assert CASES["tune"].differences(reference, folder) == [str(result.relative_to(reference))]
+    assert CASES["tune"].differences(original, folder) == [str(result.relative_to(original))]
     there.write_text('{"half')
     with pytest.raises(InvalidValueError, match=r"content of result\.json"):
-        CASES["tune"].differences(reference, folder)
+        CASES["tune"].differences(original, folder)
 
 
 @needs_proc

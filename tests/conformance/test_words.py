@@ -175,21 +175,19 @@ def attribute_phrases(name: str) -> Iterator[tuple[str, str, str]]:
                     yield node.name, entry[1], entry[2]
 
 
-@pytest.mark.parametrize("name", tracked())
-def test_no_word_of_the_former_dialect_is_left(name: str) -> None:
-    assert hits(name) == []
+def test_no_word_of_the_former_dialect_is_left() -> None:
+    assert [hit for name in tracked() for hit in hits(name)] == []
 
 
 def test_class_names_are_unique() -> None:
     assert {name: where for name, where in declared_classes().items() if len(where) > 1} == {}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [n for n in tracked() if n.endswith(".py") and n.startswith(PACKAGES)],
-)
-def test_descriptions_of_attributes_can_be_read_alone(name: str) -> None:
-    assert [entry for entry in attribute_phrases(name) if DANGLING.match(entry[2])] == []
+def test_descriptions_of_attributes_can_be_read_alone() -> None:
+    modules = [name for name in tracked() if name.endswith(".py") and name.startswith(PACKAGES)]
+    phrases = [(name, *entry) for name in modules for entry in attribute_phrases(name)]
+    assert len(phrases) > 500
+    assert [entry for entry in phrases if DANGLING.match(entry[3])] == []
 
 
 @pytest.mark.parametrize(

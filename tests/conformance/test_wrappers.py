@@ -119,7 +119,9 @@ def test_observations_can_be_normalized(environment_id: str) -> None:
     assert np.abs(values).max() < 50.0
 
 
+@pytest.mark.parametrize("environment_id", ["PRP-Adaptive-v0", "PRP-ForcePosition-v0"])
 def test_film_of_an_episode_is_written(filming: None, environment_id: str, tmp_path: Path) -> None:
+    """Of the link and of the arm; the checkers of `test_environments.py` look at the frames of all."""
     folder = tmp_path / "films"
     env: Env = RecordVideo(
         made(environment_id, render_mode="rgb_array", width=64, height=64),

@@ -197,13 +197,13 @@ def resident() -> int:
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="reads /proc and trims the C library's heap")
 def test_dropped_environments_give_their_memory_back() -> None:
     sizes = []
-    for _ in range(20):
-        env = together("PRP-PoseRegulation-v0", "SameStep", 64)
+    for _ in range(12):
+        env = together("PRP-PoseRegulation-v0", "SameStep", 32)
         env.reset(seed=0)
-        assert len(env.envs) == 64
+        assert len(env.envs) == 32
         env.step(actions_for(env, 1)[0])
         del env
         gc.collect()
         sizes.append(resident())
-    # one of them takes some 20 MB, so 15 that were kept 300 MB
+    # one of them takes some 10 MB, so 7 that were kept 70 MB
     assert sizes[-1] - sizes[4] < 10e6

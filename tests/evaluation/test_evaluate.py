@@ -17,7 +17,7 @@ from prp_gym.evaluation.evaluate import episodes_to_run
 from prp_gym.tasks.scenario import SCENARIOS
 
 Env = gymnasium.Env[Any, Any]
-DURATION = 0.1
+DURATION = 0.05
 
 
 def make(environment_id: str, scenario: str) -> Env:

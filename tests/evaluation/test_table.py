@@ -255,7 +255,7 @@ def test_no_controller_has_a_longer_name_than_the_table_was_tried_with() -> None
 @pytest.mark.parametrize("scenario", ["report", "randomized"])
 @pytest.mark.parametrize("environment_id", list_envs())
 def test_table_of_real_evaluations_is_whole(environment_id: str, scenario: str) -> None:
-    env = gymnasium.make(environment_id, scenario=scenario, duration=0.2)
+    env = gymnasium.make(environment_id, scenario=scenario, duration=0.04)
     controllers = list_baselines(env.get_wrapper_attr("observation_layout"))
     rows = [
         row_of(controller, evaluate(make_baseline(controller, env), env, episodes=2))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from prp_gym.baselines import BASELINES, Baseline
 from prp_gym.baselines.base.gains import load_gains
-from prp_gym.robot import NOMINAL, PRPArm
+from prp_gym.robot import NOMINAL, PRPArm, RobotParameters
 from tests.support.contact_plant import LIMIT, Imperfection, Recording, Wall, interface
 from tests.support.pinocchio_model import PinocchioArm, per_row, random_states
 
@@ -73,11 +73,40 @@ def random_cases(seed: int, count: int) -> Cases:
     return Cases(q, into, wall, np.minimum(force, 0.08 * stiffness))
 
 
-def poor_arm(count: int, factors: tuple[float, float, float], noise: float = 0.05) -> Imperfection:
-    """Link masses times `factors`, force-sensor noise and bias up to 0.1 N, a one-step actuation delay."""
-    masses = tuple(factor * mass for factor, mass in zip(factors, NOMINAL.link_mass, strict=True))
-    bias = np.random.default_rng(3).uniform(-0.1, 0.1, size=(count, 3)) * (noise > 0.0)
-    return Imperfection(NOMINAL.with_masses((masses[0], masses[1], masses[2])), noise, bias, 1)
+MASS_FACTORS = ((0.7, 0.7, 0.7), (1.3, 0.7, 1.3))
+"""Factors of the link masses that controllers do not know of."""
+
+
+def repeated(cases: Cases, times: int) -> Cases:
+    """The same cases several times, one round after the other."""
+    wall = cases.wall
+    parts = (wall.stiffness, wall.normal, wall.offset, wall.damping)
+    walls = Wall(*(np.concatenate([part] * times) for part in parts))
+    joints, into, force = (
+        np.concatenate([part] * times) for part in (cases.joint_position, cases.into, cases.force)
+    )
+    return Cases(joints, into, walls, force)
+
+
+def poor_arms(count: int, noises: tuple[float, ...]) -> Imperfection:
+    """So many arms with each noise and each of the `MASS_FACTORS`, these one round after the other.
+
+    They have noise and bias up to 0.1 N of the force sensor, where there is noise, and a one-step actuation
+    delay.
+    """
+    rounds = [(noise, factors) for noise in noises for factors in MASS_FACTORS]
+    bias = np.random.default_rng(3).uniform(-0.1, 0.1, size=(count, 3))
+    return Imperfection(
+        tuple(_with_masses(factors) for _, factors in rounds for _ in range(count)),
+        np.repeat([noise for noise, _ in rounds], count),
+        np.concatenate([bias * (noise > 0.0) for noise, _ in rounds]),
+        1,
+    )
+
+
+def _with_masses(factors: tuple[float, float, float]) -> RobotParameters:
+    first, second, third = (factor * mass for factor, mass in zip(factors, NOMINAL.link_mass, strict=True))
+    return NOMINAL.with_masses((first, second, third))
 
 
 def random_observation(seed: int, count: int) -> dict[str, Array]:

@@ -9,6 +9,7 @@ import prp_gym
 from prp_gym.envs import PRPEnv
 from prp_gym.envs.base.contact_starts import ContactStart, ContactWorld
 from prp_gym.envs.tasks.force_position import ReachWaypoints
+from prp_gym.evaluation.rollout import Policy
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import Constant, QuinticWaypoints, Trajectory
@@ -67,6 +68,25 @@ def depth_of(start: ContactStart, joint_position: Array) -> Array:
     tip = ARM.forward_kinematics(joint_position)[..., :3]
     depth: Array = start.surface.offset[0] - tip @ start.surface.normal[0]
     return depth
+
+
+def side_by_side(policy: Policy, env: PRPEnv, **options: Array) -> dict[str, Array]:
+    """Ground truth (T, N, size) by field, of episodes whose reset options have one value for each (N, ...).
+
+    An episode's first sample is that after its first period.
+    """
+    count = len(next(iter(options.values())))
+    loop, rngs = env.make_loop(count), [np.random.default_rng(0) for _ in range(count)]
+    observation = loop.reset(np.arange(count), rngs, options)
+    state, starts, samples = None, np.ones(count, dtype=np.bool_), []
+    for _ in range(env.config.horizon):
+        action, state = policy.predict(observation, state, episode_start=starts)
+        step = loop.step(np.asarray(action, dtype=np.float64))
+        assert not step.terminated.any()
+        observation, starts = step.observation, np.zeros(count, dtype=np.bool_)
+        samples.append(loop.ground_truth)
+    parts: dict[str, Array] = env.task.ground_truth_layout.split(np.array(samples))
+    return parts
 
 
 def assert_force(found: Array, expected: object, rtol: float = 3e-3, atol: float = 5e-3) -> None:

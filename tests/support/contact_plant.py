@@ -16,11 +16,11 @@ from prp_gym.tasks.fields import (
     POSE_REFERENCE_FIELDS,
     ObservationLayout,
 )
+from tests.support.arm_motion import STEP, Arms, advance
 
 Array = NDArray[np.float64]
 Reference = Callable[[float], tuple[Array, Array, Array]]
 
-STEP = 0.001  # time step of the semi-implicit Euler integration [s]
 LIMIT = np.array([50.0, 100.0, 10.0])  # [N m, N, N m]
 LAYOUT = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE, *POSE_REFERENCE_FIELDS, DESIRED_FORCE))
 WITHOUT_DESIRED_FORCE = ObservationLayout((*MEASURED_FIELDS, CONTACT_FORCE, *POSE_REFERENCE_FIELDS))
@@ -73,14 +73,14 @@ class Imperfection:
     """Deviations of the plant from the nominal arm with an ideal force sensor.
 
     Attributes:
-        parameters: Parameters of the arm.
-        noise: Standard deviation of every component of the measured force [N].
+        parameters: Parameters of the arm: those of all simulations, or of each.
+        noise: Standard deviation of every component of the measured force, (1) or (n) [N].
         bias: Bias of the measured force (n, 3) [N].
         delay: Actuation delay in control periods.
     """
 
-    parameters: RobotParameters = NOMINAL
-    noise: float = 0.0
+    parameters: tuple[RobotParameters, ...] = (NOMINAL,)
+    noise: Array = field(default_factory=lambda: np.zeros(1))
     bias: Array = field(default_factory=lambda: np.zeros(3))
     delay: int = 0
 
@@ -116,32 +116,28 @@ def simulate(
 ) -> Recording:
     """Simulate a controller on n arms at once, from rest at `joint_position` (n, 3)."""
     world = imperfection or Imperfection()
-    arm, generator = PRPArm(world.parameters), np.random.default_rng(5)
+    arms, arm, generator = Arms.of(world.parameters), PRPArm(), np.random.default_rng(5)
     q, v = joint_position.copy(), np.zeros(joint_position.shape)
     reference = reference or held(arm.forward_kinematics(q))
     period, limit = controller.interface.period, controller.interface.torque_limit
-    state, records, queue = None, [], [arm.gravity_vector(q) / limit] * world.delay
+    state, records, queue = None, [], [_holding(world.parameters, q) / limit] * world.delay
     for index in range(round(duration / period)):
         pose, jacobian = arm.forward_kinematics(q), arm.analytical_jacobian(q)
         rate = np.einsum("nij,nj->ni", jacobian, v)
         force = wall.force(pose[:, :3], rate[:, :3])
-        sensed = force + world.bias + world.noise * generator.standard_normal(force.shape)
+        sensed = force + world.bias + world.noise[:, None] * generator.standard_normal(force.shape)
         wanted = [np.broadcast_to(part, pose.shape) for part in reference(index * period)]
         parts = [q, v, pose, rate, sensed, *wanted, desired_force]
         observation = np.concatenate(parts[: len(controller.interface.layout.names)], axis=-1)
         action, state = controller.predict(observation, state)
         records.append((index * period, force, pose, q, action))
         queue.append(action.astype(np.float64))
-        q, v = advance(arm, q, v, queue.pop(0) * limit, wall, round(period / STEP))
+        q, v = advance(arms, q, v, queue.pop(0) * limit, wall, round(period / STEP))
     time, forces, poses, joints, actions = (np.array(column) for column in zip(*records, strict=True))
     return Recording(time, forces, poses, joints, actions, state or ())
 
 
-def advance(arm: PRPArm, q: Array, v: Array, torque: Array, wall: Wall, steps: int) -> tuple[Array, Array]:
-    """Joint positions and velocities (n, 3) some steps later under a constant torque (n, 3)."""
-    for _ in range(steps):
-        velocity = np.einsum("nij,nj->ni", arm.analytical_jacobian(q)[:, :3], v)
-        force = wall.force(arm.forward_kinematics(q)[:, :3], velocity)
-        v = v + STEP * arm.forward_dynamics(q, v, torque, force)
-        q = q + STEP * v
-    return q, v
+def _holding(parameters: tuple[RobotParameters, ...], q: Array) -> Array:
+    """Torques that hold the arms (n, 3)."""
+    each = parameters if len(parameters) == len(q) else parameters * len(q)
+    return np.array([PRPArm(own).gravity_vector(row) for own, row in zip(each, q, strict=True)])

@@ -1,6 +1,6 @@
 """A controller in closed loop with the closed-form model of the arm: torques are held, steps are of 1 ms."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.baselines import Baseline
-from prp_gym.robot import PRPArm
+from prp_gym.robot import NOMINAL, PRPArm, RobotParameters
+from tests.support import contact_plant
+from tests.support.arm_motion import STEP, Arms, advance
 
 Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 Reference = Callable[[float], Motion]
-
-STEP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,12 @@ class Wall:
         force = np.zeros((*pose.shape[:-1], 3))
         force[..., 1] = self.stiffness * np.maximum(pose[..., 1] - self.offset, 0.0)
         return force
+
+    def plane(self, rows: int) -> contact_plant.Wall:
+        """The wall of each row, as a plane with its normal towards the free side."""
+        stiffness = np.broadcast_to(self.stiffness, (rows,))
+        normal = np.tile([0.0, -1.0, 0.0], (rows, 1))
+        return contact_plant.Wall(stiffness, normal, np.full(rows, -self.offset), np.zeros(rows))
 
 
 NO_WALL = Wall(0.0)
@@ -83,16 +89,16 @@ def simulate(
     start: Any,
     reference: Reference,
     duration: float,
-    plant: PRPArm | None = None,
+    plants: Sequence[RobotParameters] = (NOMINAL,),
     wall: Wall = NO_WALL,
 ) -> Run:
-    """From rest at `start` (N, 3), without joint stops."""
-    arm = PRPArm() if plant is None else plant
+    """From rest at `start` (N, 3), without joint stops, of one plant for all rows or one for each."""
+    arm, arms = PRPArm(), Arms.of(plants)
     q = np.atleast_2d(np.asarray(start, dtype=np.float64))
     velocity, state, records = np.zeros_like(q), None, []
     names = controller.interface.layout.names
     poses = "end_effector_pose" in controller.measured_fields or "desired_pose" in names
-    free = np.zeros((len(q), 3))
+    plane = None if wall is NO_WALL else wall.plane(len(q))
     for step in range(round(duration / controller.interface.period)):
         desired = reference(step * controller.interface.period)
         fields = _joint_fields(q, velocity, desired)
@@ -102,10 +108,7 @@ def simulate(
         action, state = controller.predict(np.concatenate(sized, axis=-1), state)
         torque = action.astype(np.float64) * controller.interface.torque_limit
         records.append((q, np.broadcast_to(desired[0], q.shape), torque))
-        for _ in range(round(controller.interface.period / STEP)):
-            force = free if wall is NO_WALL else wall.force(arm.forward_kinematics(q))
-            velocity = velocity + STEP * arm.forward_dynamics(q, velocity, torque, force)
-            q = q + STEP * velocity
+        q, velocity = advance(arms, q, velocity, torque, plane, round(controller.interface.period / STEP))
     positions, wanted, torques = (np.array(column) for column in zip(*records, strict=True))
     pose = arm.forward_kinematics(positions)
     return Run(

@@ -1,22 +1,25 @@
 """A constant action shifts the closed loops' equilibria and responses as their closed forms say."""
 
+import itertools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 
 from prp_gym.action_modes import SMOOTHING_TIME, ModeSetup, commanded, make_action_mode
-from prp_gym.baselines.base.gains import load_gains
+from prp_gym.baselines import load_gains, make_baseline
 from prp_gym.envs import PRPEnv
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
+from tests.support.contact_episodes import side_by_side
 from tests.support.control_interface import oracle_jacobian
-from tests.support.mode_episodes import made
+from tests.support.mode_episodes import environment, made
 from tests.support.pinocchio_model import PinocchioArm
 
-IMPEDANCE = load_gains("impedance", "tuned", "PRP-Impedance-v0")
-M_D, K_D, K_P = (float(np.ravel(IMPEDANCE[name])[0]) for name in ("inertia", "damping", "stiffness"))
-FORCE = load_gains("parallel_force_position", "tuned", "PRP-Force-v0")
+IMPEDANCE = make_baseline("impedance", environment("PRP-Impedance-v0")).settings
+M_D, K_D, K_P = (float(getattr(IMPEDANCE, name)[0]) for name in ("inertia", "damping", "stiffness"))
+FORCE = make_baseline("parallel_force_position", environment("PRP-Force-v0")).settings
 INTO = np.array([0.0, -1.0, 0.0])  # the slide's direction at q_1 = 0, into the surface
 TOUCH, DEEP = (0.0, -0.2, 0.0), (0.0, -0.1, 0.0)
 DEPTH = 0.1  # [m] between their tips
@@ -96,48 +99,72 @@ def test_tip_settles_where_springs_towards_the_moved_pose_hold_each_other(mode: 
 OPERATIONAL = load_gains("operational_pd", "tuned", "PRP-PoseRegulation-v0")
 WEIGHTS: dict[str, Array] = {
     "operational_position": np.full(6, OPERATIONAL["proportional_gain"]),
-    "impedance": np.full(6, IMPEDANCE["stiffness"]) / np.array(IMPEDANCE["inertia"]),
+    "impedance": IMPEDANCE.stiffness / IMPEDANCE.inertia,
     "admittance": np.ones(6),
     "force_position": np.ones(6),
 }
 """The springs by mode, up to a common factor: controllers that prescribe accelerations weigh them equally."""
 
 
-@pytest.mark.parametrize(
-    ("offset", "factor"), [(0.0, 1.0), (0.03, 1.0), (-0.04, 1.0), (0.0, 6.0), (0.03, 0.3)]
-)
-def test_surface_is_pressed_with_the_springs_in_series(offset: float, factor: float) -> None:
+class Constant:
+    """A policy of constant actions (N, size), one for each episode."""
+
+    def __init__(self, actions: Array) -> None:
+        self._actions = actions
+
+    def predict(self, *_: Any, **__: Any) -> tuple[Array, None]:
+        return self._actions, None
+
+
+def with_actions(env: PRPEnv, actions: Sequence[Array], **options: Any) -> dict[str, Array]:
+    """Ground truth (T, N, size) of episodes with the same reset options and a constant action each."""
+    count = len(actions)
+    values = {name: np.asarray(value, dtype=np.float64) for name, value in options.items()}
+    rows = {name: np.broadcast_to(value, (count, *value.shape)) for name, value in values.items()}
+    return side_by_side(Constant(np.stack(actions)), env, **rows)
+
+
+def test_surface_is_pressed_with_the_springs_in_series() -> None:
     env = made(
         "PRP-Impedance-v0", "variable_stiffness", scenario="report", control_frequency=20, duration=4.0
     )
+    offset, factor = np.array([[0.0, 1.0], [0.03, 1.0], [-0.04, 1.0], [0.0, 6.0], [0.03, 0.3]]).T
+    actions = [
+        action_for(env, pose_offset=np.append(way * INTO, np.zeros(2)), stiffness_factor=np.full(5, share))
+        for way, share in zip(offset, factor, strict=True)
+    ]
     surface, spring = 300.0, factor * K_P
-    moved = np.concatenate([offset * INTO, np.zeros(2)])
-    action = action_for(env, pose_offset=moved, stiffness_factor=np.full(5, factor))
-    ground_truth = steady(env, action, **BELOW, surface_stiffness=surface, joint_position=TOUCH, goal=DEEP)
+    fields = with_actions(env, actions, **BELOW, surface_stiffness=surface, joint_position=TOUCH, goal=DEEP)
     expected = surface * spring / (surface + spring) * (DEPTH - GAP + offset)
     # MuJoCo's contact is a spring to 1e-3 of its stiffness
-    assert INTO @ ground_truth["contact_force"] == pytest.approx(expected, rel=3e-3)
+    np.testing.assert_allclose(fields["contact_force"][-1] @ INTO, expected, rtol=3e-3)
 
 
-@pytest.mark.parametrize("offset", [0.0, 2.0, -1.5])
-def test_surface_is_pressed_with_the_moved_force(offset: float) -> None:
+def test_surface_is_pressed_with_the_moved_force() -> None:
     env = made("PRP-Force-v0", "force_position", scenario="report", control_frequency=20, duration=3.0)
-    action = action_for(env, force_offset=offset * INTO)
+    offsets = np.array([0.0, 2.0, -1.5])
+    actions = [action_for(env, force_offset=offset * INTO) for offset in offsets]
     surface = {**BELOW, "surface_stiffness": 500.0, "desired_force": 3.0}
-    ground_truth = steady(env, action, **surface, joint_position=TOUCH)
+    fields = with_actions(env, actions, **surface, joint_position=TOUCH)
     # the integral leaves nothing but exp(-10 t) of the approach, over two seconds
-    np.testing.assert_allclose(ground_truth["contact_force"], (3.0 + offset) * INTO, atol=1e-4)
+    np.testing.assert_allclose(fields["contact_force"][-1], np.outer(3.0 + offsets, INTO), atol=1e-4)
 
 
-def overshoot(env: PRPEnv, action: Array) -> float:
-    """Overshoot of the tip along the slide, relative to the step of its reference."""
-    env.reset(seed=0, options={"joint_position": TOUCH, "goal": TOUCH, **FAR})
-    start, ways = env.physics.tip_position[0].copy(), []
-    for _ in range(env.config.horizon):
-        assert not env.step(action)[2]
-        ways.append((env.physics.tip_position[0] - start) @ INTO)
-    assert ways[-1] == pytest.approx(0.02, rel=0.05)
-    return float(max(ways)) / 0.02 - 1.0
+def ways(env: PRPEnv, actions: Sequence[Array], **options: Any) -> Array:
+    """How far the tips have come along the slide (T, N) [m]."""
+    poses = with_actions(env, actions, joint_position=TOUCH, **FAR, **options)["end_effector_pose"]
+    moved: Array = (poses[..., :3] - PRPArm().forward_kinematics(TOUCH)[:3]) @ INTO
+    return moved
+
+
+def step_along_the_slide(env: PRPEnv, stiffness: float, damping: float) -> Array:
+    """The action that moves the tip by 0.02 m, with factors of the stiffness and of the damping ratio."""
+    return action_for(
+        env,
+        pose_offset=np.array([*(0.02 * INTO), 0.0, 0.0]),
+        stiffness_factor=np.full(5, stiffness),
+        damping_factor=np.full(5, damping),
+    )
 
 
 @pytest.fixture
@@ -147,83 +174,62 @@ def prompt(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("prompt")
-@pytest.mark.parametrize("stiffness", [1.0, 3.0, 0.5])
-@pytest.mark.parametrize("damping", [0.25, 0.5])
-def test_damping_ratio_follows_its_factor_and_not_that_of_the_stiffness(
-    stiffness: float, damping: float
-) -> None:
+def test_damping_ratio_follows_its_factor_and_not_that_of_the_stiffness() -> None:
     env = made("PRP-Impedance-v0", "variable_impedance", scenario="report", duration=3.0)
-    action = action_for(
-        env,
-        pose_offset=np.array([*(0.02 * INTO), 0.0, 0.0]),
-        stiffness_factor=np.full(5, stiffness),
-        damping_factor=np.full(5, damping),
-    )
-    decay = np.log(overshoot(env, action))
+    cases = list(itertools.product((1.0, 3.0, 0.5), (0.25, 0.5)))
+    moved = ways(env, [step_along_the_slide(env, *case) for case in cases], goal=TOUCH)
+    np.testing.assert_allclose(moved[-1], 0.02, rtol=0.05)
+    decay = np.log(moved.max(axis=0) / 0.02 - 1.0)
     ratio = -decay / np.hypot(np.pi, decay)  # of a mass, damper and spring that overshoots so far
     nominal = K_D / (2.0 * np.sqrt(K_P * M_D))
     # held over dt, a torque is dt/2 old: that takes about ω dt/2 off, 0.01 to 0.02 here
-    assert ratio == pytest.approx(damping * nominal, abs=0.025)
+    np.testing.assert_allclose(ratio, [damping * nominal for _, damping in cases], rtol=0, atol=0.025)
 
 
 @pytest.mark.usefixtures("prompt")
 def test_response_is_that_much_faster_under_a_stiffness_factor() -> None:
     env = made("PRP-Impedance-v0", "variable_impedance", scenario="report", duration=1.5)
-    peaks = []
-    for factor in (1.0, 4.0):
-        action = action_for(
-            env,
-            pose_offset=np.array([*(0.02 * INTO), 0.0, 0.0]),
-            stiffness_factor=np.full(5, factor),
-            damping_factor=np.full(5, 0.25),
-        )
-        env.reset(seed=0, options={"joint_position": TOUCH, "goal": TOUCH, **FAR})
-        ways = []
-        for _ in range(env.config.horizon):
-            env.step(action)
-            ways.append(env.physics.tip_position[0] @ INTO)
-        peaks.append(0.002 * (1 + int(np.argmax(ways))))
+    moved = ways(env, [step_along_the_slide(env, factor, 0.25) for factor in (1.0, 4.0)], goal=TOUCH)
+    peaks = 0.002 * (1 + np.argmax(moved, axis=0))
     ratio = 0.25 * K_D / (2.0 * np.sqrt(K_P * M_D))
     expected = np.pi / (np.sqrt(K_P / M_D) * np.sqrt(1.0 - ratio**2))
     # half of the period and of the peak's flat top
-    assert peaks == pytest.approx([expected, expected / 2.0], rel=0.02)
+    np.testing.assert_allclose(peaks, [expected, expected / 2.0], rtol=0.02)
 
 
-@pytest.mark.parametrize("factor", [0.5, 1.0, 3.0])
-def test_tip_approaches_a_surface_so_many_times_as_fast(factor: float) -> None:
-    env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
-    action = action_for(env, approach_speed_factor=np.array([factor]))
-    env.reset(seed=0, options={"joint_position": TOUCH, "desired_force": 0.02, **FAR})
-    ways = []
-    for _ in range(30):
-        env.step(action)
-        ways.append(float(env.physics.tip_position[0] @ INTO))
+def test_tip_approaches_a_surface_so_many_times_as_fast() -> None:
+    env = made(
+        "PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20, duration=1.5
+    )
+    factors = np.array([0.5, 1.0, 3.0])
+    actions = [action_for(env, approach_speed_factor=np.array([factor])) for factor in factors]
+    moved = ways(env, actions, desired_force=0.02)
     # the inner loop lags by a constant distance once exp(-10 t) of the factor's own delay has decayed
-    speed = (ways[-1] - ways[-5]) / 0.2
+    speed = (moved[-1] - moved[-5]) / 0.2
     # so fast that the tip can be braked while the force rises from half of 0.02 N to that, on 5 N/m
-    nominal = np.sqrt(2.0 * FORCE["approach_deceleration"] * 0.01 / 5.0)
-    assert speed == pytest.approx(factor * nominal, rel=1e-3)
+    nominal = np.sqrt(2.0 * FORCE.approach_deceleration * 0.01 / 5.0)
+    np.testing.assert_allclose(speed, factors * nominal, rtol=1e-3)
 
 
-@pytest.mark.parametrize("factor", [0.25, 0.35, 0.5])
-def test_force_error_decays_so_many_times_as_fast(factor: float) -> None:
-    env = made("PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20)
-    action = action_for(env, bandwidth_factor=np.array([factor]))
+def test_force_error_decays_so_many_times_as_fast() -> None:
+    env = made(
+        "PRP-Force-v0", "variable_force_position", scenario="report", control_frequency=20, duration=3.0
+    )
+    factors = np.array([0.25, 0.35, 0.5])
+    actions = [action_for(env, bandwidth_factor=np.array([factor])) for factor in factors]
     surface = {**SURFACE, "surface_stiffness": STIFF, "desired_force": 3.0}
-    env.reset(seed=0, options={"joint_position": TOUCH, **surface})
-    forces = []
-    for _ in range(60):
-        env.step(action)
-        forces.append(float(INTO @ env.task.ground_truth_layout.split(env.ground_truth)["contact_force"]))
+    force = with_actions(env, actions, joint_position=TOUCH, **surface)["contact_force"] @ INTO
     # on the surface from the start, taring takes readings below 2.8 σ of the sensor's noise for its bias
-    assert forces[-1] == pytest.approx(3.0, abs=2.8 * 0.05)
-    errors = forces[-1] - np.array(forces)
-    rate, inner = np.log(errors[10] / errors[16]) / 0.3, np.sqrt(FORCE["proportional_gain"])
-    # the slowest root of s (1 + s/p)^2 (1 + 0.2 s/ω_n) + ω_c (1 + D s/K + 2 s/p) = 0 with the inner loop's
-    # double pole p and the nominal bandwidth ω_n; a period of 0.002 s more or less makes 2 %
-    inertia = (1.0 - rate / inner) ** 2 * (1.0 - 0.2 * rate / FORCE["bandwidth"])
-    lead = 1.0 - rate * (DAMPING / STIFF + 2.0 / inner)
-    assert rate * inertia / lead == pytest.approx(factor * FORCE["bandwidth"], rel=0.02)
+    np.testing.assert_allclose(force[-1], 3.0, rtol=0, atol=2.8 * 0.05)
+    errors = force[-1] - force
+    rate = np.log(errors[10] / errors[16]) / 0.3
+    stiffness, damping = FORCE.proportional_gain[1], FORCE.derivative_gain[1]
+    lag = damping / stiffness
+    # the slowest root of s (1 + T s + s²/K_P) (1 + 0.2 s/ω_n) + ω_c (1 + D s/K + T s) = 0 with T = K_D/K_P
+    # and K_P of the inner loop and the nominal bandwidth ω_n; a period of 0.002 s more or less makes 2 %
+    inertia = (1.0 - lag * rate + rate**2 / stiffness) * (1.0 - 0.2 * rate / FORCE.bandwidth)
+    lead = 1.0 - rate * (DAMPING / STIFF + lag)
+    np.testing.assert_allclose(rate * inertia / lead, factors * FORCE.bandwidth, rtol=0.02)
 
 
 def test_command_inputs_follow_the_action_with_their_time_constant() -> None:

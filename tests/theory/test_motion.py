@@ -180,7 +180,7 @@ def test_error_of_the_quintic_as_run_decays_from_the_step_to_the_first_waypoint(
     assert second[0] == pytest.approx(first_joint_at_second, abs=5e-5 if gains == "report" else 5e-4)
     # the design's tolerance at 1000 Hz; held for 2 ms, the moving joints are coupled: up to 1.7e-3
     for frequency, tolerance in ((1000, 1e-3), (500, 2e-3)):
-        rollout = run(TRACKING, INVERSE_DYNAMICS, gains, control_frequency=frequency)
+        rollout = run(TRACKING, INVERSE_DYNAMICS, gains, control_frequency=frequency, duration=1.2)
         np.testing.assert_allclose(at(rollout, 0.0), step, atol=1e-12)
         np.testing.assert_allclose(at(rollout, 0.5), first, atol=tolerance)
         assert at(rollout, 1.0)[0] == pytest.approx(second[0], abs=tolerance)

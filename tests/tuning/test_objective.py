@@ -9,7 +9,7 @@ import pytest
 from prp_gym.baselines import CONTROLLERS, make_baseline
 from prp_gym.evaluation import evaluate
 from prp_gym.tuning import Candidates, Objective, ScenarioCandidates, SearchSpace, Trial
-from prp_gym.tuning.objective import HOPELESS
+from prp_gym.tuning.objective import HOPELESS, mean_score
 
 ENVIRONMENT, CONTROLLER = "PRP-JointTracking-v0", "joint_pd"
 STEPS = 30
@@ -79,9 +79,10 @@ def test_refused_candidate_scores_nothing_and_uses_as_much_as_a_whole_one(object
     assert found == (0.0, objective.most_steps, (0.0, 0.0), False)
 
 
-def test_score_of_settings_is_that_of_their_candidate(objective: Objective) -> None:
-    scores = objective.score([lambda candidates: candidates.space.settings(WEAK)] * 2)
-    assert scores == [objective.measure([WEAK], None)[0].score] * 2
+def test_scores_of_the_episodes_of_settings_are_those_of_their_candidate(objective: Objective) -> None:
+    rows = objective.episode_scores([lambda candidates: candidates.space.settings(WEAK)] * 2)
+    assert [len(own) for own in rows[0]] == [objective.episodes // 2] * 2
+    assert [mean_score(item) for item in rows] == [objective.measure([WEAK], None)[0].score] * 2
 
 
 def test_candidates_that_are_run_side_by_side_score_as_if_run_alone(objective: Objective) -> None:

@@ -31,6 +31,8 @@ VALIDATION = Validation(
     score=0.58,
     score_of_start=0.51,
     kept_start=False,
+    gain=0.07,
+    gain_error=0.01,
     selection_seed=501_000_000,
     selection_episodes=20,
     selection=(0.6, 0.59),
@@ -194,6 +196,8 @@ def test_every_shipped_controller_is_what_its_name_says() -> None:
         assert type(controller.make(env)) is CONTROLLERS.find(controller.controller).policy
         env.close()
         checked = controller.validation
-        assert checked.score == max(checked.score_of_start, *checked.finalists), name
-        assert checked.kept_start == (checked.score == checked.score_of_start), name
+        best = max(checked.finalists)
+        assert checked.gain == pytest.approx(best - checked.score_of_start, abs=1e-12), name
+        assert checked.kept_start == (checked.gain <= 2.0 * checked.gain_error), name
+        assert checked.score == (checked.score_of_start if checked.kept_start else best), name
         assert controller.used_steps <= controller.budget_steps * (1.0 + EXTRA), name

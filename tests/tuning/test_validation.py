@@ -10,8 +10,9 @@ import pytest
 
 from prp_gym.errors import DataFileError
 from prp_gym.tuning import Candidates, StoredScores, Trial, Tuned, choose
+from prp_gym.tuning.objective import EpisodeRows
 from prp_gym.tuning.stored_scores import VALIDATION
-from prp_gym.tuning.validation import rounded_settings
+from prp_gym.tuning.validation import paired_gain, rounded_settings
 from prp_gym.tuning.widening import Ranges
 from tests.tuning.test_journal import PlainSpace
 
@@ -19,13 +20,15 @@ SELECTION, FINAL = 501_000_000, 500_000_000
 
 
 class Fresh:
-    """Fresh episodes on which the score of a candidate depends on its first factor, as told."""
+    """Two scenarios of two episodes; the score of a candidate depends on its first factor, as told."""
 
     def __init__(self, score_of: Mapping[float, float], seen: list[float]) -> None:
         self.score_of, self.seen, self.episodes = score_of, seen, 0
 
-    def score(self, settings_of: Sequence[Callable[[Candidates], Mapping[str, Any]]]) -> list[float]:
-        return [self._score(item) for item in settings_of]
+    def episode_scores(
+        self, settings_of: Sequence[Callable[[Candidates], Mapping[str, Any]]]
+    ) -> list[EpisodeRows]:
+        return [[[score, score], [score, score]] for score in map(self._score, settings_of)]
 
     def _score(self, settings_of: Callable[[Candidates], Mapping[str, Any]]) -> float:
         factor = settings_of(Candidates(PlainSpace(), lambda values: None))["first"]  # type: ignore[arg-type, return-value]
@@ -36,7 +39,9 @@ class Fresh:
 class Kept:
     """Scores that are not kept."""
 
-    def find(self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[float]]) -> list[float]:
+    def find(
+        self, names: Sequence[str], compute: Callable[[Sequence[str]], Sequence[EpisodeRows]]
+    ) -> list[EpisodeRows]:
         return list(compute(names))
 
 
@@ -86,6 +91,44 @@ def test_start_is_kept_unless_a_candidate_is_better_on_fresh_episodes(best: floa
     assert (found.validation.score, found.validation.kept_start) == (0.5, True)
 
 
+@pytest.mark.parametrize(("gain", "kept"), [(0.019, True), (0.021, False)])
+def test_gain_within_two_standard_errors_keeps_the_start(gain: float, kept: bool) -> None:
+    class Spread(Fresh):
+        """Candidates are better by `gain` in the mean, with a standard deviation of 0.1 over 50 episodes."""
+
+        def episode_scores(
+            self, settings_of: Sequence[Callable[[Candidates], Mapping[str, Any]]]
+        ) -> list[EpisodeRows]:
+            swing = 0.1 * np.sqrt(49 / 50) * np.resize([1.0, -1.0], 50)
+            means = [self._score(item) for item in settings_of]
+            return [[[0.5] * 50 if mean == 0.5 else (mean + swing).tolist()] * 2 for mean in means]
+
+    # two scenarios: 0.1/sqrt(50)/sqrt(2) = 0.01
+    final = {1.0: 0.5, 2.0: 0.5 + gain}
+    found = choose(tuned([0.5, 0.9]), lambda seed, episodes: with_episodes(Spread(final, [])), Kept())
+    assert found.validation.kept_start == kept
+    assert found.validation.gain == pytest.approx(gain)
+    assert found.validation.gain_error == pytest.approx(0.01)
+    assert found.validation.score == pytest.approx(0.5 if kept else 0.5 + gain)
+
+
+def with_episodes(fresh: Fresh) -> Any:
+    fresh.episodes = 100
+    return fresh
+
+
+def test_standard_error_of_the_gain_is_that_of_paired_episodes() -> None:
+    rng = np.random.default_rng(8)
+    hard, noise = rng.normal(0.5, 0.3, (400, 2, 50)), rng.normal(0.0, 0.02, (2, 400, 2, 50))
+    found = np.array(
+        [paired_gain(own.tolist(), other.tolist()) for own, other in zip(*(hard + noise), strict=True)]
+    )
+    gains, errors = found.T
+    # the spread of hard and easy episodes cancels; 400 draws tell a standard deviation within 4 %
+    np.testing.assert_allclose(gains.std(), 0.02 * np.sqrt(2.0 / 100.0), rtol=0.15)
+    np.testing.assert_allclose(errors.mean(), 0.02 * np.sqrt(2.0 / 100.0), rtol=0.02)
+
+
 def test_search_of_the_start_alone_keeps_it() -> None:
     found, first, last = run(tuned([0.5]), {}, {1.0: 0.4})
     assert (first, last) == ([], [1.0])
@@ -127,9 +170,9 @@ def test_damaged_scores_are_refused_and_left_as_they_are(tmp_path: Path, change:
 
 
 def test_altered_score_is_refused(tmp_path: Path) -> None:
-    assert StoredScores(tmp_path, {}).find(["one"], lambda names: [0.25]) == [0.25]
+    assert StoredScores(tmp_path, {}).find(["one"], lambda names: [[[0.25]]]) == [[[0.25]]]
     content = json.loads((tmp_path / VALIDATION).read_text(encoding="utf-8"))
-    content["scores"]["one"] = 0.75
+    content["scores"]["one"] = [[0.75]]
     (tmp_path / VALIDATION).write_text(json.dumps(content), encoding="utf-8")
     with pytest.raises(DataFileError, match="damaged or altered"):
         StoredScores(tmp_path, {})

@@ -91,10 +91,15 @@ def test_tuned_controller_renders_the_target_impedance(
 ) -> None:
     settings = settings_of(controller, environment_id, gains, RATE[gains])
     numbers = load_gains(controller, gains, environment_id)
+    factors = numbers.get("target_factor", {})
     rendered = set(TAKEN[controller]) & set(names_of(environment_id))
     assert rendered
+    assert set(factors) <= rendered
     for name in settings.vectors:
-        expected = AXES[name] if name in rendered else np.broadcast_to(numbers[name], 6)
+        if name in rendered:
+            expected = AXES[name] * np.array(factors.get(name, 1.0))
+        else:
+            expected = np.broadcast_to(numbers[name], 6)
         np.testing.assert_array_equal(getattr(settings, name), expected, err_msg=name)
 
 
@@ -167,18 +172,18 @@ def test_controller_that_renders_the_target_scores_better_than_one_that_does_not
     env.close()
 
 
+def home_of(controller: str) -> str:
+    """An environment on which a controller can run."""
+    return next(environment_id for environment_id, other in COMBINATIONS if other == controller)
+
+
 LEAST = [
     (controller, gains, float(numbers["minimum_frequency"]))
     for controller in BASELINES
     for gains in gain_sets(controller)
-    if "minimum_frequency" in (numbers := load_gains(controller, gains, ""))
+    if "minimum_frequency" in (numbers := load_gains(controller, gains, home_of(controller)))
 ]
 SLOWER = {1000.0: 500, 500.0: 250, 100.0: 50, 50.0: 25}
-
-
-def home_of(controller: str) -> str:
-    """An environment on which a controller can run."""
-    return next(environment_id for environment_id, other in COMBINATIONS if other == controller)
 
 
 @pytest.mark.parametrize(("controller", "gains", "least"), LEAST)

@@ -1,0 +1,39 @@
+"""Checks of the environments and actions that an episode loop is given."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.robot.arrays import Array
+
+
+def check_ids(ids: NDArray[np.intp], num_envs: int, *, started: bool) -> None:
+    """Refuse environments to reset that are not a rising choice of those of a loop.
+
+    Args:
+        ids: Environments to reset (n).
+        num_envs: Number of environments of the loop.
+        started: Whether every environment has been reset before; if not, ids must contain all.
+
+    Raises:
+        InvalidValueError: ids out of order or out of range, or not all at the first reset.
+    """
+    rising = len(ids) > 0 and ids[0] >= 0 and ids[-1] < num_envs and (np.diff(ids) > 0).all()
+    if not rising:
+        raise InvalidValueError("ids", ids.tolist(), f"rising, from 0 to {num_envs - 1}")
+    if not started and len(ids) < num_envs:
+        raise InvalidValueError("ids of the first reset", ids.tolist(), "all environments")
+
+
+def clip_actions(action: Array) -> Array:
+    """Clip actions (N, size) to ±1.
+
+    Raises:
+        NonFiniteError: NaN or infinity in an action.
+    """
+    bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
+    if len(bad):
+        what = "action" if len(action) == 1 else f"action of environments {bad.tolist()}"
+        raise NonFiniteError(what, action[bad].tolist())
+    within: Array = np.clip(action, -1.0, 1.0)
+    return within
