@@ -9,7 +9,13 @@ from prp_gym.viewing.plot import Line, Plot
 
 _COLOURS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE)
 _DESIRED, _LIMIT, _PREDICTED = BLACK, GRAY, ORANGE
-_DASHES = {"desired": [2, 3], "predicted": [8, 5], "limit": [12, 4]}
+_DASHES = {"desired": [8, 5], "predicted": [2, 3]}
+_OF_COMPONENT: tuple[list[int], ...] = (
+    [],
+    [12, 4],
+    [12, 3, 2, 3],
+    [5, 4],
+)  # measured ones; the first is solid
 _POINTS = 400  # of a line at most
 _HEIGHT = 220  # pixels
 
@@ -74,14 +80,14 @@ def _data(plot: Plot) -> tuple[Any, ...]:
 
 
 def _series(plot: Plot) -> list[dict[str, Any]]:
-    """Colour and dashes of the lines; a predicted component has the colour of the measured one."""
+    """Colour and dashes of the lines; a predicted component is dotted in the colour of the measured one."""
     measured = [line.name for line in plot.lines if line.kind == "measured"]
     return [
         {
             "label": line.name,
             "stroke": _colour(line, measured),
             "width": 1.5 if line.kind in ("measured", "predicted") else 1.0,
-            **({"dash": _DASHES[line.kind]} if line.kind in _DASHES else {}),
+            "dash": _dashes(line, measured),
             "points": {"show": False},
             "auto": _is_complete(line),  # a range over values of which some are missing would be empty
         }
@@ -92,6 +98,13 @@ def _series(plot: Plot) -> list[dict[str, Any]]:
 def _is_complete(line: Line) -> bool:
     """Whether a line has a value at every time."""
     return not np.isnan(line.values).any()
+
+
+def _dashes(line: Line, measured: list[str]) -> list[int]:
+    """Lengths of dashes and gaps [pixels]; none for a solid line."""
+    if line.kind == "measured":
+        return _OF_COMPONENT[measured.index(line.name) % len(_OF_COMPONENT)]
+    return _DASHES.get(line.kind, [])
 
 
 def _colour(line: Line, measured: list[str]) -> str:

@@ -1,5 +1,6 @@
 """The geoms of a MuJoCo model as nodes of a scene, each under the frame of its body."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import mujoco
@@ -9,6 +10,7 @@ from prp_gym.robot.arrays import Array
 
 _LARGEST_GROUP = 2  # of the geoms that MuJoCo's own viewers draw
 _THIN = 0.004  # m, thickness of a plane that is drawn as a plate
+_GHOST_OPACITY = 0.25
 _LARGE = 1.0  # m, half side from which a plane counts as the floor
 
 _Type = mujoco.mjtGeom
@@ -25,15 +27,39 @@ def add_geoms(scene: Any, model: mujoco.MjModel) -> dict[str, Any]:
         frames that are to be moved with the bodies, by the names of the bodies.
     """
     frames: dict[str, Any] = {}
-    for index in range(model.ngeom):
-        color, opacity = _colour(model, index)
-        if model.geom_group[index] > _LARGEST_GROUP or opacity == 0.0:
-            continue
-        body = str(model.body(model.geom_bodyid[index]).name)
+    for index, body in _visible(model):
         if body not in frames:
             frames[body] = scene.add_frame(f"/bodies/{body}", show_axes=False)
-        _add(scene, model, index, f"/bodies/{body}/{index}", color, opacity)
+        _add(scene, model, index, f"/bodies/{body}/{index}", *_colour(model, index))
     return frames
+
+
+def add_ghost(scene: Any, model: mujoco.MjModel, color: tuple[int, int, int]) -> dict[str, Any]:
+    """Add the moving bodies of a model once more, translucent.
+
+    Args:
+        scene: viser's scene.
+        model: model of the simulation.
+        color: colour of the ghost.
+
+    Returns:
+        frames that are to be moved with the bodies of the ghost, by the names of the bodies.
+    """
+    frames: dict[str, Any] = {}
+    for index, body in _visible(model):
+        if model.body_weldid[model.geom_bodyid[index]] == 0:
+            continue  # what does not move is there already
+        if body not in frames:
+            frames[body] = scene.add_frame(f"/reference/arm/{body}", show_axes=False)
+        _add(scene, model, index, f"/reference/arm/{body}/{index}", color, _GHOST_OPACITY)
+    return frames
+
+
+def _visible(model: mujoco.MjModel) -> Iterator[tuple[int, str]]:
+    """Indices of the geoms that are drawn, and the names of their bodies."""
+    for index in range(model.ngeom):
+        if model.geom_group[index] <= _LARGEST_GROUP and _colour(model, index)[1] > 0.0:
+            yield index, str(model.body(model.geom_bodyid[index]).name)
 
 
 def _add(

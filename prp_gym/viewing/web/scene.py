@@ -5,16 +5,18 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from prp_gym.drawing.triad import tip_axes
 from prp_gym.palette import FORCE, MEASURED, REFERENCE, rgb
 from prp_gym.physics.rendering import Ball, Path
 from prp_gym.robot.arrays import Array
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.signals import Signals
-from prp_gym.viewing.web.geoms import add_geoms
+from prp_gym.viewing.web.geoms import add_geoms, add_ghost
 
 _TRACE, _FORCE, _REFERENCE = rgb(MEASURED), rgb(FORCE), rgb(REFERENCE)
 _METRES_PER_NEWTON = 0.02
 _TRAIL = 400  # points
+_AXIS_LENGTHS = 0.12 * np.array([[0.6], [0.8], [1.0]])  # of x, y and z of the desired frame [m]
 
 
 class SceneView:
@@ -25,11 +27,15 @@ class SceneView:
 
     Attributes:
         bodies: frames of the bodies by their names in the model.
+        ghost: frames of the bodies at the reference, where it is one of the joints; none otherwise.
+        axes: axes of the desired frame, where the reference is a pose; None otherwise.
     """
 
     def __init__(self, scene: Any) -> None:
         self._scene = scene
         self.bodies: dict[str, Any] = {}
+        self.ghost: dict[str, Any] = {}
+        self.axes: Any = None
         self._episode: tuple[object, ...] = ()
         self._time = -1.0
         scene.set_up_direction("+z")
@@ -43,12 +49,16 @@ class SceneView:
         if episode != self._episode or session.time < self._time:
             self._begin(session)
         self._episode, self._time = episode, session.time
-        self._data.qpos[:] = session.inner.physics.joint_position[0]
+        self._pose(self.bodies, session.inner.physics.joint_position[0])
+        self._show_motion(session.signals, session.inner)
+
+    def _pose(self, frames: dict[str, Any], joint_position: Array) -> None:
+        """Move the frames of bodies to where they are at joint positions (joints) [rad, m, rad]."""
+        self._data.qpos[:] = joint_position
         mujoco.mj_kinematics(self._model, self._data)
-        for name, frame in self.bodies.items():
+        for name, frame in frames.items():
             body = self._data.body(name)
             frame.position, frame.wxyz = body.xpos, body.xquat
-        self._show_motion(session.signals, session.inner)
 
     def _begin(self, session: Session) -> None:
         """Draw the bodies of the model, and what an episode does not change."""
@@ -68,10 +78,18 @@ class SceneView:
                 )
         point = np.zeros((1, 2, 3))
         self._trail = self._add_line("/trail", point, _TRACE)
-        self._target = self._scene.add_icosphere("/reference/now", 0.018, _REFERENCE, opacity=0.6)
+        self._begin_reference(session.signals)
         self._force = self._add_arrow("/force/measured", point, _FORCE)
         self._wanted = self._add_arrow("/force/desired", point, _REFERENCE)
         self._label = self._scene.add_label("/force/value", "", anchor="bottom-left", visible=False)
+
+    def _begin_reference(self, signals: Signals) -> None:
+        """Draw the present reference: a ball, and a ghost of the arm or the axes of the desired frame."""
+        self._target = self._scene.add_icosphere("/reference/now", 0.018, _REFERENCE, opacity=0.6)
+        of_joints = "desired_joint_position" in signals.fields
+        self.ghost = add_ghost(self._scene, self._model, _REFERENCE) if of_joints else {}
+        of_pose = "desired_pose" in signals.fields
+        self.axes = self._add_arrow("/reference/axes", np.zeros((3, 2, 3)), _REFERENCE) if of_pose else None
 
     def _show_motion(self, signals: Signals, inner: Any) -> None:
         """Move the trail, the reference, and the forces beside the tip."""
@@ -84,6 +102,13 @@ class SceneView:
         self._target.visible = len(target) > 0
         if len(target):
             self._target.position = target[0]
+        if self.ghost:
+            self._pose(self.ghost, signals.fields["desired_joint_position"][-1])
+        if self.axes is not None and len(target):
+            ends = target[0] + _AXIS_LENGTHS * tip_axes(signals.fields["desired_pose"][-1, 3:]).T
+            starts = np.broadcast_to(target[0], ends.shape)
+            self.axes.points = np.stack([starts, ends], axis=1).astype(np.float32)
+            self.axes.visible = True
         force = inner.physics.contact_force[0]
         desired = signals.fields["desired_force"][-1] if "desired_force" in signals.fields else np.zeros(3)
         _point(self._force, tip + np.array([0.0, 0.0, 0.05]), force)

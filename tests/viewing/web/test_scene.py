@@ -57,6 +57,48 @@ def test_bodies_are_where_the_simulation_has_them(server: Any, environment_id: s
             assert frame.wxyz == pytest.approx(data.body(name).xquat, abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("environment_id", "controller"), [("PRP-JointTracking-v0", "joint_pd"), ("PRP-Adaptive-v0", "adaptive")]
+)
+def test_ghost_stands_at_the_reference_of_the_joints(
+    server: Any, environment_id: str, controller: str
+) -> None:
+    from prp_gym.viewing.web.scene import SceneView
+
+    session, scene = controller_session(environment_id, controller), SceneView(server.scene)
+    session.advance(40)
+    scene.show(session)
+    model = session.inner.physics.model()
+    data = mujoco.MjData(model)
+    data.qpos[:] = session.signals.fields["desired_joint_position"][-1]
+    mujoco.mj_forward(model, data)
+    assert set(scene.ghost) == {name for name in scene.bodies if name.startswith("link")}
+    for name, frame in scene.ghost.items():
+        assert frame.position == pytest.approx(data.body(name).xpos, abs=1e-12)
+        assert frame.wxyz == pytest.approx(data.body(name).xquat, abs=1e-12)
+
+
+def test_desired_frame_is_shown_where_the_reference_is_a_pose(server: Any) -> None:
+    from prp_gym.viewing.web.scene import SceneView
+
+    session, scene = controller_session("PRP-PoseTracking-v0", "operational_pd"), SceneView(server.scene)
+    session.advance(40)
+    scene.show(session)
+    pose = session.signals.fields["desired_pose"][-1]
+    starts, ends = scene.axes.points[:, 0], scene.axes.points[:, 1]
+    # the axis z of the end-effector frame at the angles α, β, γ: a turn of β about an axis that α turned
+    approach = [
+        np.sin(pose[4]) * np.sin(pose[3]),
+        -np.sin(pose[4]) * np.cos(pose[3]),
+        np.cos(pose[4]),
+    ]
+    assert scene.ghost == {}
+    np.testing.assert_allclose(starts, np.tile(pose[:3], (3, 1)), atol=1e-6)  # 32-bit numbers
+    np.testing.assert_allclose(ends[2] - starts[2], 0.12 * np.array(approach), atol=1e-6)
+    axes = (ends - starts) / np.linalg.norm(ends - starts, axis=1, keepdims=True)
+    np.testing.assert_allclose(np.cross(axes[0], axes[1]), axes[2], atol=1e-5)
+
+
 def test_every_visible_geom_of_the_arm_is_drawn(server: Any) -> None:
     from prp_gym.viewing.web.geoms import add_geoms
 
