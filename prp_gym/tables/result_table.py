@@ -73,9 +73,10 @@ class ResultTable:
 
         from prp_gym.tables.terminal import ASCII_BOX, terminal_tables
 
-        yield Text(self.title, style="italic")
         box = ASCII_BOX if options.ascii_only else SIMPLE_HEAD
-        yield from terminal_tables(self, options.max_width, box)
+        for number, part in enumerate(terminal_tables(self, options.max_width, box)):
+            yield Text(f"{self.title} (continued)" if number else self.title, style="italic")
+            yield part
 
     def _repr_html_(self) -> str:
         """The table for a notebook."""

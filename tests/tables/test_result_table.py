@@ -70,6 +70,8 @@ def test_narrow_terminal_gets_several_parts_that_repeat_the_names() -> None:
         ["joint_pd", "0.123", "-12", "3.4"],
         ["joint_pd", "0.5-0.6"],
     ]
+    titles = [line.strip() for line in lines if line.startswith(TABLE.title[:10])]
+    assert titles == [TABLE.title, f"{TABLE.title} (continued)"]
 
 
 @pytest.mark.parametrize("width", range(30, 100, 3))
