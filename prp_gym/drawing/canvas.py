@@ -11,6 +11,9 @@ from prp_gym.robot.arrays import Array
 FINE = 240
 """Height of a frame [pixels] from which on it has labels, soft shadows and fine shapes."""
 
+LEGIBLE = 360
+"""Height of a frame [pixels] from which on there is room for the numbers of the floor's scale."""
+
 _REFERENCE_HEIGHT = 480.0  # [pixels]: at this height of a frame, widths of lines are as they are given
 _SHAPES = mujoco.mjtGeom
 _DECOR, _DYNAMIC = int(mujoco.mjtCatBit.mjCAT_DECOR), int(mujoco.mjtCatBit.mjCAT_DYNAMIC)
@@ -31,6 +34,7 @@ class Canvas:
         self._ghost: mujoco.MjData | None = None
         self._line_scale = max(1.0, height / _REFERENCE_HEIGHT)
         self.fine = height >= FINE
+        self.legible = height >= LEGIBLE
 
     @property
     def forward(self) -> Array:

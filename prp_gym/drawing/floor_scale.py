@@ -27,7 +27,7 @@ class FloorScale(OverlayItem):
     height: float
 
     def draw(self, canvas: Canvas) -> None:
-        """See `OverlayItem.draw`; small frames show the squares of the floor only."""
+        """See `OverlayItem.draw`; small frames show the lines only, the smallest the squares of the floor."""
         if not canvas.fine:
             return
         end, z = _LINES * _SPACING, self.height + _ABOVE
@@ -35,6 +35,8 @@ class FloorScale(OverlayItem):
             at = index * _SPACING
             canvas.box(np.array([at, 0.0, z]), np.array([_WIDTH, end, _THIN]), np.eye(3), _COLOR)
             canvas.box(np.array([0.0, at, z]), np.array([end, _WIDTH, _THIN]), np.eye(3), _COLOR)
+        if not canvas.legible:
+            return
         behind = np.where(canvas.forward[:2] >= 0.0, _LABELS, -_LABELS)
         for index in range(-_NUMBERS, _NUMBERS + 1):
             canvas.label(np.array([index * _SPACING, behind[1], z]), f"x {index * _SPACING:g} m")

@@ -35,6 +35,10 @@ class SharedRenderer:
     users: int = 0
 
 
+_LARGE_FONT = 480  # height of a frame from which on its labels are large [pixels]
+_SMALL = mujoco.mjtFontScale.mjFONTSCALE_100
+
+
 class RendererPool:
     """Renderers that are shared by all who draw frames of the same size, of equal worlds, in one thread."""
 
@@ -53,7 +57,9 @@ class RendererPool:
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         key = (threading.current_thread(), width, height, _digest(model))
         if key not in self._open:
-            self._open[key] = SharedRenderer(mujoco.Renderer(model, height, width, max_geom=MOST_GEOMS))
+            font = mujoco.mjtFontScale.mjFONTSCALE_150 if height >= _LARGE_FONT else _SMALL
+            renderer = mujoco.Renderer(model, height, width, max_geom=MOST_GEOMS, font_scale=font)
+            self._open[key] = SharedRenderer(renderer)
         self._open[key].users += 1
         return key, self._open[key].renderer
 

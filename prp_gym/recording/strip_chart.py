@@ -45,7 +45,7 @@ class StripChart:
         width: Width [pixels].
         height: Height [pixels].
         duration: Time at the right edge [s].
-        largest: Value at the upper edge.
+        largest: Value at the upper line, below the title.
         title: What is drawn, with its unit.
     """
 
@@ -68,24 +68,27 @@ class StripChart:
         """
         right, bottom = self.left + self.width, self.top + self.height
         image.rectangle((self.left, self.top, right, bottom), outline=GRAY, fill="#FFFFFF")
-        middle = self.top + self.height // 2
-        image.line((self.left, middle, right, middle), fill=LIGHT_GRAY)
+        upper = min(self.top + 3 + sum(font.getmetrics()), self.top + self.height // 2)
+        for y in (upper, (upper + bottom) // 2):
+            image.line((self.left + 1, y, right - 1, y), fill=LIGHT_GRAY)
         for trace in traces:
-            self._draw_trace(image, time, trace)
+            self._draw_trace(image, time, trace, upper)
         now = self._x(time[-1])
-        image.line((now, self.top, now, bottom), fill=GRAY)
+        image.line((now, upper, now, bottom), fill=GRAY)
         texts = ((self.title, "la", self.top + 3), (f"{self.largest:g}", "ra", self.top + 3))
         for text, anchor, y in texts:
             x = self.left + 5 if anchor == "la" else right - 5
             image.text((x, y), text, fill=BLACK, font=font, anchor=anchor)
 
-    def _draw_trace(self, image: "ImageDraw", time: Array, trace: Trace) -> None:
+    def _draw_trace(self, image: "ImageDraw", time: Array, trace: Trace, upper: int) -> None:
+        """Draw a signal below the title, which ends at `upper` [pixels]."""
         shown = np.isfinite(trace.values)
         if not shown.any():
             return
         x = np.array([self._x(moment) for moment in time[shown]])
         share = np.clip(trace.values[shown] / self.largest, 0.0, 1.0)
-        y = self.top + self.height - share * (self.height - 2) - 1
+        bottom = self.top + self.height - 1
+        y = bottom - share * (bottom - upper)
         columns, last = np.unique(x.astype(int)[::-1], return_index=True)
         points = list(zip(columns.tolist(), y[::-1][last].tolist(), strict=True))
         thick = max(2, self.height // 40)

@@ -56,6 +56,9 @@ def lines(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return written
 
 
+@pytest.mark.filterwarnings(
+    "ignore::pytest.PytestUnraisableExceptionWarning"
+)  # imageio-ffmpeg leaves pipes open
 def test_mp4_has_the_size_the_rate_and_a_frame_for_every_moment(drawing: None, tmp_path: Path) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "new folder" / "force.mp4"

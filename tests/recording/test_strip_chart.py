@@ -1,6 +1,7 @@
 """Strip charts: where values stand in them."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,12 +32,14 @@ def test_trace_stands_at_its_time_and_value() -> None:
     time = np.linspace(0.0, 1.0, 200)
     values = np.where(time < 0.5, 2.0, 8.0)
     chart = StripChart(10, 10, 200, 100, 2.0, 10.0, "force [N]")
-    chart.draw(ImageDraw.Draw(image), ImageFont.load_default(8), time, [Trace("f", "#FF0000", False, values)])
+    font: Any = ImageFont.load_default(8)
+    chart.draw(ImageDraw.Draw(image), font, time, [Trace("f", "#FF0000", False, values)])
     red = np.argwhere((np.asarray(image) == (255, 0, 0)).all(axis=-1))
     early, late = red[red[:, 1] < 55, 0], red[red[:, 1] > 65, 0]
-    # 100 pixels are 10 N, from below; the line is two pixels thick
-    assert early.mean() == pytest.approx(110 - 20, abs=2)
-    assert late.mean() == pytest.approx(110 - 80, abs=2)
+    # what the title leaves of 100 pixels is 10 N, from below; the line is two pixels thick
+    rest = 100 - 3 - sum(font.getmetrics())
+    assert early.mean() == pytest.approx(110 - 0.2 * rest, abs=2)
+    assert late.mean() == pytest.approx(110 - 0.8 * rest, abs=2)
     assert red[:, 1].max() == pytest.approx(110, abs=2)  # 1 s of 2 s
     assert red[:, 1].min() == pytest.approx(10, abs=2)
 
