@@ -59,6 +59,11 @@ VIDEO = (
     *("record", "PRP-Force-v0", "--baseline", "force_inner_position", "--vs", "impedance"),
     *("--seed", "5", "--duration", "1.0", "--fps", "2", "--size", "960x540"),
 )
+MOVING = (
+    *("record", "PRP-ForcePosition-v0", "--baseline", "parallel_force_position", "--vs", "force_feedforward"),
+    *("--scenario", "realistic", "--seed", "5", "--duration", "3.0", "--fps", "10", "--size", "960x400"),
+)
+"""README's animation."""
 
 
 def main() -> None:
@@ -74,6 +79,9 @@ def main() -> None:
         CliRunner().invoke(app, [*VIDEO, "--output", str(output)], catch_exceptions=False)
         with Image.open(sorted(output.iterdir())[-1]) as last:
             save(last.copy(), "record")
+    moving = FOLDER / "force.gif"
+    moving.unlink(missing_ok=True)
+    CliRunner().invoke(app, [*MOVING, "--output", str(moving)], catch_exceptions=False)
 
 
 def draw(shot: Shot) -> Image.Image:
