@@ -32,10 +32,9 @@ def some_actions(env: Any, count: int = STEPS) -> Any:
     return np.random.default_rng(5).uniform(-1.2, 1.2, shape).astype(np.float32)
 
 
-@pytest.mark.parametrize("scenario", ["randomized", "realistic"])
 @pytest.mark.parametrize("environment_id", IDS)
-def test_environment_gives_the_same_bits_among_any_number(environment_id: str, scenario: str) -> None:
-    keywords: dict[str, Any] = {"scenario": scenario, **BRIEF}
+def test_environment_gives_the_same_bits_among_any_number(environment_id: str) -> None:
+    keywords: dict[str, Any] = {"scenario": "realistic", **BRIEF}  # which draws all that the others do
     env = together(environment_id, "SameStep", MANY, **keywords)
     actions = some_actions(env)
     history = run_together(env, 7, actions, AGAIN)
