@@ -89,6 +89,7 @@ docs: $(VENV)/.dev
 
 frames: $(VENV)/.dev
 	$(BIN)/python -m docs.frames
+	$(BIN)/python -m docs.page_frames
 
 clean:
 	rm -rf $(VENV) $(LOWEST) .venv-peers .venv-clients build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache \
