@@ -111,7 +111,12 @@ class TimedShell:
                     raise CommandError(f"{command}\n{found[0]} is no page")
         finally:
             process.send_signal(signal.SIGINT)
-            process.communicate()
+            try:
+                process.communicate(timeout=_PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
+                raise CommandError(f"{command}\nran on for {_PATIENCE:g} s after Ctrl-C") from None
 
     def _start(self, script: str) -> "subprocess.Popen[str]":
         return subprocess.Popen(

@@ -20,6 +20,9 @@ from prp_gym.tables import ResultTable
 from prp_gym.tables.formats import JSON, TERMINAL, write_tables
 from prp_gym.tables.json_text import plain_tables
 
+_SENTENCE = 0.5
+"""Longest word of a line that is wrapped, in parts of the width."""
+
 
 @dataclass(frozen=True)
 class Terminal:
@@ -105,14 +108,17 @@ class Terminal:
             content: all results, of any kind that `to_plain` takes, for the JSON document.
             tables: the results that people read.
             notes: what explains the tables, left out if quiet.
-            lines: what belongs to the results, such as where they are.
+            lines: what belongs to the results, such as where they are; a long path is not broken.
         """
         if self.form == TERMINAL:
             console = make_console()
             for table in tables:
                 console.print(table if is_unicode(console) else legible_table(table))
-            for line in [*([] if self.quiet else notes), *lines]:
-                _print(console, line)
+            for note in () if self.quiet else notes:
+                _print(console, note)
+            for line in lines:
+                longest = max(map(len, line.split()), default=0)
+                _print(console, line, wrapped=longest < _SENTENCE * console.width)
             return
         text = _document(content, tables) if self.form == JSON else write_tables(tables, self.form)
         print(text, end="")

@@ -33,7 +33,7 @@ _FAILED = tuple(
     TableColumn(f"failed: {kind}", ("%",))  # in the order of `FAILURES`
     for kind in ("di\u00adverged", "excess force", "limit cycle", "un\u00adset\u00adtled")
 )
-_TIME = TableColumn("com\u00adpute time of an action", ("µs",))
+_TIME = TableColumn("com\u00adpute time per step", ("µs",))
 _SMALLEST = 0.005
 _TWO_DECIMALS_BELOW = 0.1
 _WHOLE_FROM = 10.0

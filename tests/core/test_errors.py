@@ -28,6 +28,7 @@ from prp_gym.errors import (
     OutputError,
     PluginError,
     PolicyOutputError,
+    PortError,
     PRPError,
     RenderingError,
     RunFolderError,
@@ -62,6 +63,7 @@ WITH_FACTS = [
     PluginError("my_tasks", "no such module", "my_tasks.py", 3),
     UserCodeError("my_controller.py", 12, "ValueError: no gains", "PRP-Force-v0"),
     PolicyOutputError("MyPolicy", "a list", (3,)),
+    PortError("127.0.0.1", 8080, "it is in use"),
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
 ]

@@ -131,7 +131,7 @@ def test_drawing_leaves_every_step_as_it_is() -> None:
 
 def test_large_frames_show_labels_that_small_ones_leave_out(drawing: None) -> None:
     shapes = {}
-    for height in (84, 300):
+    for height in (84, 300, 400):
         env = made("PRP-Force-v0", width=height, height=height)
         run(env, "force_inner_position", 1.0)
         frame = env.render()
@@ -141,7 +141,9 @@ def test_large_frames_show_labels_that_small_ones_leave_out(drawing: None) -> No
         shapes[height] = {scene.geoms[index].label for index in range(scene.ngeom)} - {""}
         env.close()
     assert shapes[84] == set()
-    assert {"touching", "x 0.5 m"} <= shapes[300]
+    assert "touching" in shapes[300]
+    assert "x 0.5 m" not in shapes[300]  # where the numbers of the floor would hide those of the forces
+    assert {"touching", "x 0.5 m"} <= shapes[400]
     assert any(text.startswith("f_d ") for text in shapes[300])
 
 

@@ -56,7 +56,7 @@ def test_force_at_rest_is_that_of_two_springs(controller: str) -> None:
 
 
 def test_impedance_follows_its_target_model() -> None:
-    session = controller_session("PRP-Impedance-v0", "impedance", scenario="report")
+    session = controller_session("PRP-Impedance-v0", "impedance", "report", "report")
     session.advance(1000)
     _, displacement, _ = make_plots(session)
     (model,) = predicted(displacement)
