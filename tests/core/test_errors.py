@@ -126,7 +126,7 @@ def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> No
     assert isinstance(error, PRPError)
     of_a_state = (
         *(CheckpointError, EpisodeError, MissingPackageError, OutputError, PluginError),
-        *(FolderInUseError, RenderingError, RunFolderError, UserCodeError),
+        *(FolderInUseError, PortError, RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 

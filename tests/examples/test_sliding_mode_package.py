@@ -64,7 +64,18 @@ def test_without_installation_it_is_loaded_by_name() -> None:
 
 
 def test_evaluate_runs_both_in_worker_processes(installed: Path, tmp_path: Path) -> None:
-    options = ("--env", TASK, "--env", "PRP-JointTracking-v0", "--scenario", "report", "--jobs", "2")
+    options = (
+        "--env",
+        TASK,
+        "--env",
+        "PRP-JointTracking-v0",
+        "--scenario",
+        "report",
+        "--jobs",
+        "2",
+        "--output",
+        "results",
+    )
     names = ("--baseline", CONTROLLER, "--baseline", "joint_pd")
     command(installed, tmp_path, "evaluate", *options, *names)
     every = results(tmp_path / "results")["evaluations"]
@@ -87,6 +98,7 @@ def test_evaluate_runs_both_in_worker_processes(installed: Path, tmp_path: Path)
 
 def test_controller_runs_on_the_single_link_too(installed: Path, tmp_path: Path) -> None:
     options = ("--env", "PRP-Adaptive-v0", "--scenario", "report", "--jobs", "1", "--baseline", CONTROLLER)
+    options = (*options, "--output", "results")
     command(installed, tmp_path, "evaluate", *options)
     row, *floors = results(tmp_path / "results")["evaluations"]
     assert [floor["baseline"] for floor in floors] == ["zero_torque", "hold"]
@@ -96,7 +108,7 @@ def test_controller_runs_on_the_single_link_too(installed: Path, tmp_path: Path)
 
 def test_compare_needs_no_agents(installed: Path, tmp_path: Path) -> None:
     options = ("--env", TASK, "--scenario", "report", "--baseline", CONTROLLER, "--baseline", "joint_pd")
-    output = command(installed, tmp_path, "compare", *options, "--jobs", "1")
+    output = command(installed, tmp_path, "compare", *options, "--jobs", "1", "--output", "comparison")
     content = results(tmp_path / "comparison")
     kinds = [(row["policy"], row["kind"]) for row in content["evaluations"]]
     controllers = [(CONTROLLER, "controller"), ("joint_pd", "controller")]
@@ -107,7 +119,7 @@ def test_compare_needs_no_agents(installed: Path, tmp_path: Path) -> None:
 
 def test_tune_searches_the_declared_space(installed: Path, tmp_path: Path) -> None:
     options = ("--env", TASK, "--scenario", "report", "--budget", str(2 * STEPS))
-    command(installed, tmp_path, "tune", CONTROLLER, *options)
+    command(installed, tmp_path, "tune", CONTROLLER, *options, "--output", "tuning")
     folder = tmp_path / "tuning" / f"{TASK}_{CONTROLLER}"
     result = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     assert (result["trials"], result["used_steps"], result["code"]) == (2, 2 * STEPS, {})

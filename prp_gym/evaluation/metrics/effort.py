@@ -120,7 +120,7 @@ register_metric(
         "share of joints and steps at or beyond the actuator limit",
         ("cost_saturation",),
         lambda r: _share(r, "cost_saturation"),
-        Presentation(EFFORT, Column("torque satu\u00adrated", ("%",))),
+        Presentation(EFFORT, Column("satu\u00adra\u00adtion", ("%",))),
     )
 )
 register_metric(

@@ -10,7 +10,7 @@ import pytest
 from prp_gym.viewing.policy_catalogue import PolicyCatalogue
 from prp_gym.viewing.viewer import Viewer
 from tests.support.chromium import CHROMIUM, Tab, chromium
-from tests.support.viewing_sessions import SEED, controller_session
+from tests.support.viewing_sessions import controller_session
 
 pytest.importorskip("viser", reason="the extra `view` is not installed")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on this machine")
@@ -88,7 +88,7 @@ def test_user_moves_a_slider_takes_a_step_and_sees_the_plots(
         assert gain[0] == pytest.approx(own[0] * 1.05**2)  # the bandwidth of joint 1
 
         tab.wait_for("document.querySelectorAll('.uplot').length === 2")
-        for shown in (TASK, f"seed {SEED}", "paused", "Joint error", "joint 2 [m]"):
+        for shown in (TASK, f"seed {session.seed}", "paused", "Joint error", "joint 2 [m]"):
             tab.wait_for(f"{TEXT}.includes('{shown}')")
         open_tab(tab, "Run")
         click_button(tab, "Reset")
