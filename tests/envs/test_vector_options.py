@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from prp_gym.drawing.overlay import Ball
+from prp_gym.drawing.overlay import Path as OverlayPath
 from prp_gym.envs import PRPVectorEnv
 from prp_gym.errors import InvalidValueError, JointLimitError, NonFiniteError, ShapeError, UnknownNameError
-from prp_gym.physics.rendering import Ball
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from tests.support.covering import covering
@@ -101,6 +102,7 @@ def check_taken(env: PRPVectorEnv, index: int, option: str, value: Array, observ
         np.testing.assert_array_equal(found, value)
     elif option == "goal":
         shown = env.task.overlay(index, 100.0)[0]
+        assert isinstance(shown, Ball | OverlayPath)
         end = shown.center if isinstance(shown, Ball) else shown.points[-1]  # of a path, when it rests
         # sums of three products of numbers below 1
         np.testing.assert_allclose(end, ARM.forward_kinematics(value)[:3], atol=1e-14)

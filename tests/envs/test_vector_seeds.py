@@ -55,8 +55,10 @@ def test_environment_gives_the_same_bits_among_any_number(environment_id: str) -
         assert_history(history_of(history, index), expected, f"{index} of {MANY}, alone")
 
 
-@pytest.mark.parametrize(("count", "steps"), [(9, 8), (130, 3)])
-@pytest.mark.parametrize("environment_id", IDS)
+@pytest.mark.parametrize(
+    ("environment_id", "count", "steps"),
+    [*((name, 9, 8) for name in IDS), ("PRP-JointTracking-v0", 130, 3), ("PRP-ForcePosition-v0", 130, 3)],
+)
 def test_number_of_threads_changes_no_bit(environment_id: str, count: int, steps: int) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "num_envs": count, **BRIEF}
     runs = []

@@ -98,8 +98,7 @@ def test_evaluate_runs_both_in_worker_processes(installed: Path, tmp_path: Path)
 
 def test_controller_runs_on_the_single_link_too(installed: Path, tmp_path: Path) -> None:
     options = ("--env", "PRP-Adaptive-v0", "--scenario", "report", "--jobs", "1", "--baseline", CONTROLLER)
-    options = (*options, "--output", "results")
-    command(installed, tmp_path, "evaluate", *options)
+    command(installed, tmp_path, "evaluate", *options, "--output", "results")
     row, *floors = results(tmp_path / "results")["evaluations"]
     assert [floor["baseline"] for floor in floors] == ["zero_torque", "hold"]
     assert row["settings"]["reaching_gain"] == [60.0]
