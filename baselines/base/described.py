@@ -104,9 +104,8 @@ class DescribedController(Generic[OwnSettings]):
     def _components(self) -> list[tuple[str, int, float, str]]:
         """Name, component, value and unit of every number among the settings."""
         settings = self.settings
-        units = {name: vector.unit for name, vector in settings.vectors.items()} | dict(settings.numbers)
         return [
             (name, index, float(value), unit)
-            for name, unit in units.items()
+            for name, unit in settings.units().items()
             for index, value in enumerate(np.atleast_1d(getattr(settings, name)), 1)
         ]

@@ -63,6 +63,11 @@ class Settings:
             choice(name, getattr(self, name), allowed)
 
     @classmethod
+    def units(cls) -> dict[str, str]:
+        """Units of all settings that are numbers or vectors, by name."""
+        return {name: vector.unit for name, vector in cls.vectors.items()} | dict(cls.numbers)
+
+    @classmethod
     def from_mapping(cls, controller: str, values: Mapping[str, Any]) -> Self:
         """Settings by name.
 

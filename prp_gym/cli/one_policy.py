@@ -5,9 +5,11 @@ from pathlib import Path
 
 import typer
 
-from prp_gym.cli.options import at_most_one
+from prp_gym.checks import choice
+from prp_gym.cli.options import at_most_one, only
 from prp_gym.errors import InvalidValueError
 from prp_gym.runs.first_controller import first_controller
+from prp_gym.tasks.scenario import SCENARIOS
 
 _OPTIONS = {"gains": "--gains", "settings": "--set", "control_frequency": "--control-frequency"}
 
@@ -46,6 +48,19 @@ def name_agent(agent: Sequence[Path] | None) -> str | None:
         InvalidValueError: several agents.
     """
     return at_most_one("--agent", [path.as_posix() for path in agent or ()])
+
+
+def name_scenario(scenario: Sequence[str]) -> str:
+    """The scenario that options name.
+
+    Args:
+        scenario: values of `--scenario`.
+
+    Raises:
+        InvalidValueError: several scenarios.
+        UnknownNameError: a scenario that does not exist.
+    """
+    return choice("scenario", only("--scenario", scenario), list(SCENARIOS))
 
 
 def refuse(context: typer.Context, names: Sequence[str]) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import typer
 
 from prp_gym.checks import choice, random_seed
-from prp_gym.cli.one_policy import name_agent, name_controller, refuse
+from prp_gym.cli.one_policy import name_agent, name_controller, name_scenario, refuse
 from prp_gym.cli.options import (
     AgentPaths,
     ControlFrequency,
@@ -22,7 +22,6 @@ from prp_gym.cli.options import (
     Scenarios,
     Seed,
     Settings,
-    only,
 )
 from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.episode import record_episode
@@ -32,7 +31,6 @@ from prp_gym.runs.acting_policy import ActingPolicy
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.tasks.registration import list_envs
-from prp_gym.tasks.scenario import SCENARIOS
 
 _DEFAULT_SCENARIOS = ["realistic"]
 
@@ -60,7 +58,7 @@ def plot_command(
     --output is the file of the figure, whose suffix says its kind: .png, .svg or .pdf.
     """
     choice("environment", env, list_envs())
-    condition = choice("scenario", only("--scenario", scenario), list(SCENARIOS))
+    condition = name_scenario(scenario)
     random_seed("seed", seed)
     controller, trained = name_controller(context, env, baseline, agent), name_agent(agent)
     if output is not None:

@@ -9,7 +9,7 @@ import typer
 from numpy.typing import NDArray
 
 from prp_gym.checks import choice, random_seed
-from prp_gym.cli.one_policy import name_agent, name_controller
+from prp_gym.cli.one_policy import name_agent, name_controller, name_scenario
 from prp_gym.cli.options import (
     AgentPaths,
     ControlFrequency,
@@ -24,7 +24,6 @@ from prp_gym.cli.options import (
     Scenarios,
     Seed,
     Settings,
-    only,
 )
 from prp_gym.console.progress import Progress
 from prp_gym.console.terminal import Terminal
@@ -38,7 +37,6 @@ from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.tasks.presets import find_preset
 from prp_gym.tasks.registration import list_envs
-from prp_gym.tasks.scenario import SCENARIOS
 
 _DEFAULT_SCENARIOS = ["randomized"]
 
@@ -77,7 +75,7 @@ def record_command(
     video = Video.of(size, fps, slow)
     random_seed("--seed", seed)
     choice("environment", find_preset(env).task.id, list_envs())
-    condition = choice("scenario", only("--scenario", scenario), list(SCENARIOS))
+    condition = name_scenario(scenario)
     controller, trained = name_controller(context, env, baseline, agent), name_agent(agent)
     names = [str(trained or controller), *([] if vs is None else [vs])]
     own_name = video_name(env, names, condition, seed)

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from prp_gym.checks import choice
-from prp_gym.cli.one_policy import name_agent, name_controller
+from prp_gym.cli.one_policy import name_agent, name_controller, name_scenario
 from prp_gym.cli.options import (
     AgentPaths,
     EnvironmentArgument,
@@ -17,7 +17,6 @@ from prp_gym.cli.options import (
     Scenarios,
     Seed,
     Settings,
-    only,
 )
 from prp_gym.console.terminal import Terminal
 from prp_gym.envs.action_mode import TORQUE
@@ -26,7 +25,6 @@ from prp_gym.physics.rendering import has_display
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.selection import Selection
 from prp_gym.tasks.registration import list_envs
-from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.viewing.agent_source import AgentSource
 from prp_gym.viewing.controller_source import ControllerSource
 from prp_gym.viewing.inner_controller_source import InnerControllerSource
@@ -72,7 +70,7 @@ def view_command(
     Hz unless --control-frequency says otherwise, agents at that of their training.
     """
     choice("environment", env, list_envs())
-    condition = choice("scenario", only("--scenario", scenario), list(SCENARIOS))
+    condition = name_scenario(scenario)
     trained = name_agent(agent)
     controller = name_controller(context, env, baseline, agent)
     frequency = control_frequency or _FREQUENCY

@@ -7,6 +7,10 @@ from prp_gym.drawing.canvas import FINE
 
 _SPREAD = 0.018  # [rad] of the lamp, as seen from the robot
 _LAMPS = 4
+_OF_A_LAMP = (
+    *("id", "pos", "dir", "type", "texid", "attenuation", "cutoff", "exponent", "ambient", "diffuse"),
+    *("specular", "headlight", "castshadow", "bulbradius", "intensity", "range", "softness"),
+)
 _SOFT = 600  # height of a frame from which on shadows have soft edges [pixels]
 
 
@@ -52,17 +56,6 @@ def _copy_of(scene: mujoco.MjvScene, lamp: mujoco.MjvLight) -> mujoco.MjvLight:
     """A further lamp of a scene, like another."""
     own = scene.lights[scene.nlight]
     scene.nlight += 1
-    for name in ("id", "pos", "dir", "type", "texid", "attenuation", "cutoff", "exponent", "ambient"):
-        setattr(own, name, getattr(lamp, name))
-    for name in (
-        "diffuse",
-        "specular",
-        "headlight",
-        "castshadow",
-        "bulbradius",
-        "intensity",
-        "range",
-        "softness",
-    ):
+    for name in _OF_A_LAMP:
         setattr(own, name, getattr(lamp, name))
     return own

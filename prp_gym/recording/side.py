@@ -49,7 +49,3 @@ class Side:
     def frame(self) -> NDArray[np.uint8]:
         """The frame of the present moment (height, width, 3)."""
         return np.asarray(self._env.render(), dtype=np.uint8)
-
-    def close(self) -> None:
-        """Close the environment."""
-        self._env.close()

@@ -79,10 +79,7 @@ class ControllerSource(PolicySource):
     def settings(self, policy: Policy) -> dict[str, tuple[Any, str]]:
         """See `PolicySource.settings`."""
         values = settings_of(self._controller, self._choice, policy)
-        units: dict[str, str] = {}
-        if isinstance(policy, Baseline):
-            kind = policy.settings_class
-            units = {name: vector.unit for name, vector in kind.vectors.items()} | dict(kind.numbers)
+        units = policy.settings_class.units() if isinstance(policy, Baseline) else {}
         return {n: (value, units.get(n, "")) for n, value in values.items() if n not in _NOT_SHOWN}
 
     def reported(self, env: gymnasium.Env[Any, Any]) -> AbstractContextManager[None]:

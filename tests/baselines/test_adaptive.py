@@ -16,6 +16,7 @@ from prp_gym.baselines import (
 from prp_gym.baselines.base.gains import load_gains
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot import NOMINAL, Link, LinkParameters, PRPArm, RobotParameters
+from tests.support.adaptive_gains import SOFT
 from tests.support.control_interface import INTERFACE, LINK_INTERFACE, PERIOD
 from tests.support.controller_simulation import Motion, Run, simulate
 from tests.support.pinocchio_model import PinocchioArm, random_arm, random_states
@@ -24,12 +25,6 @@ Array = NDArray[np.float64]
 
 LAMBDA, K_D = np.array([20.0, 15.0, 10.0]), np.array([15.0, 40.0, 0.5])
 GAMMA = np.arange(1.0, 13.0)
-SOFT: dict[str, Any] = {
-    "reference_gain": 56.0,
-    "damping_gain": [9.85, 43.4, 0.442],
-    "adaptation_gain": [1.09, 24.0, 0.12, 0.096, 2.4e-3, 1e-3, 3e-4, 3e-3, 3e-5, 1.5e-4, 1.5e-3, 1.5e-5],
-}
-"""Softer than the tuned gains and with faster adaptation."""
 ROUNDING = 1e-10  # torques up to 1e5, a few dozen operations of 1e-16 each
 MODELS = {"nominal": (NOMINAL, PinocchioArm()), "another": random_arm(15)}
 

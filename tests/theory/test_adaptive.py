@@ -3,7 +3,7 @@
 The controller with fixed parameters and the same link-mass errors is `joint_inverse_dynamics` with the same
 feedback: in adaptive control σ˙ = -K_D/B σ with σ = q̃˙ + Λq̃ makes K_P = ΛK_D/B and K_D = Λ + K_D/B, with B's
 diagonal at the middle of the sine. The compared value is the root mean square over the last period, 1 s, of
-the error of all joints, √(q̃_1² + q̃_2² + q̃_3²), with the units 1 rad, 1 m and 1 rad. The gains stand here,
+the error of all joints, √(q̃_1² + q̃_2² + q̃_3²), with the units 1 rad, 1 m and 1 rad. The gains are `SOFT`,
 softer than the tuned ones and with faster adaptation: they are for this question, not for the task's score.
 """
 
@@ -19,6 +19,7 @@ import prp_gym
 from prp_gym.baselines import AdaptiveController
 from prp_gym.evaluation import record_episode
 from prp_gym.robot import NOMINAL, PRPArm
+from tests.support.adaptive_gains import SOFT
 
 Array = NDArray[np.float64]
 Factors = tuple[float, float, float]
@@ -27,11 +28,6 @@ TRACKING = "PRP-JointTracking-v0"
 CENTER = np.array([np.pi / 2, -0.2, np.pi])
 ON_REFERENCE = {"joint_position": CENTER, "joint_velocity": np.full(3, 0.1 * 2.0 * np.pi)}
 FROM_HOME: dict[str, Array] = {}
-GAINS: dict[str, Any] = {
-    "reference_gain": 56.0,
-    "damping_gain": [9.85, 43.4, 0.442],
-    "adaptation_gain": [1.09, 24.0, 0.12, 0.096, 2.4e-3, 1e-3, 3e-4, 3e-3, 3e-5, 1.5e-4, 1.5e-3, 1.5e-5],
-}
 LIGHT, HEAVY = (0.7, 0.7, 0.7), (1.3, 1.3, 1.3)
 MIXED = ((0.7, 1.3, 1.3), (1.3, 0.7, 0.7))
 
@@ -41,7 +37,7 @@ def last_error(
 ) -> float:
     """Of a controller whose model has masses times `factors`; without adaptation 3 s are enough to settle."""
     duration = 10.0 if controller == "adaptive" else 3.0
-    own = GAINS if controller == "adaptive" else own
+    own = SOFT if controller == "adaptive" else own
     with closing(gymnasium.make(TRACKING, scenario="report", reference="sine", duration=duration)) as env:
         policy = prp_gym.make_baseline(controller, env, gains, model=NOMINAL.scaled(factors), **own)
         fields = record_episode(policy, env, 0, start).fields
@@ -53,7 +49,7 @@ def last_error(
 def same_feedback() -> dict[str, Any]:
     """Gains of `joint_inverse_dynamics` whose feedback is that of the adaptive controller."""
     with closing(gymnasium.make(TRACKING)) as env:
-        controller = prp_gym.make_baseline("adaptive", env, **GAINS)
+        controller = prp_gym.make_baseline("adaptive", env, **SOFT)
     assert isinstance(controller, AdaptiveController)
     damping = controller.settings.damping_gain / np.diagonal(PRPArm().inertia_matrix(CENTER))
     gain = controller.settings.reference_gain

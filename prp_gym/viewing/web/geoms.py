@@ -1,6 +1,5 @@
 """The geoms of a MuJoCo model as nodes of a scene, each under the frame of its body."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import mujoco
@@ -16,50 +15,33 @@ _LARGE = 1.0  # m, half side from which a plane counts as the floor
 _Type = mujoco.mjtGeom
 
 
-def add_geoms(scene: Any, model: mujoco.MjModel) -> dict[str, Any]:
+def add_geoms(
+    scene: Any, model: mujoco.MjModel, folder: str = "/bodies", ghost: tuple[int, int, int] | None = None
+) -> dict[str, Any]:
     """Add the geoms of a model to a scene.
 
     Args:
         scene: viser's scene.
         model: model of the simulation.
+        folder: node of the scene to which the bodies are added.
+        ghost: colour of a ghost: the moving bodies alone, translucent; None for all as they are.
 
     Returns:
         frames that are to be moved with the bodies, by the names of the bodies.
     """
     frames: dict[str, Any] = {}
-    for index, body in _visible(model):
-        if body not in frames:
-            frames[body] = scene.add_frame(f"/bodies/{body}", show_axes=False)
-        _add(scene, model, index, f"/bodies/{body}/{index}", *_colour(model, index))
-    return frames
-
-
-def add_ghost(scene: Any, model: mujoco.MjModel, color: tuple[int, int, int]) -> dict[str, Any]:
-    """Add the moving bodies of a model once more, translucent.
-
-    Args:
-        scene: viser's scene.
-        model: model of the simulation.
-        color: colour of the ghost.
-
-    Returns:
-        frames that are to be moved with the bodies of the ghost, by the names of the bodies.
-    """
-    frames: dict[str, Any] = {}
-    for index, body in _visible(model):
-        if model.body_weldid[model.geom_bodyid[index]] == 0:
-            continue  # what does not move is there already
-        if body not in frames:
-            frames[body] = scene.add_frame(f"/reference/arm/{body}", show_axes=False)
-        _add(scene, model, index, f"/reference/arm/{body}/{index}", color, _GHOST_OPACITY)
-    return frames
-
-
-def _visible(model: mujoco.MjModel) -> Iterator[tuple[int, str]]:
-    """Indices of the geoms that are drawn, and the names of their bodies."""
     for index in range(model.ngeom):
-        if model.geom_group[index] <= _LARGEST_GROUP and _colour(model, index)[1] > 0.0:
-            yield index, str(model.body(model.geom_bodyid[index]).name)
+        color, opacity = _colour(model, index)
+        number = model.geom_bodyid[index]
+        left_out = ghost is not None and model.body_weldid[number] == 0  # what does not move is there already
+        if model.geom_group[index] > _LARGEST_GROUP or opacity == 0.0 or left_out:
+            continue
+        body = str(model.body(number).name)
+        if body not in frames:
+            frames[body] = scene.add_frame(f"{folder}/{body}", show_axes=False)
+        look = (color, opacity) if ghost is None else (ghost, _GHOST_OPACITY)
+        _add(scene, model, index, f"{folder}/{body}/{index}", *look)
+    return frames
 
 
 def _add(

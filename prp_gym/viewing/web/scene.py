@@ -11,7 +11,7 @@ from prp_gym.physics.rendering import Ball, Path
 from prp_gym.robot.arrays import Array
 from prp_gym.viewing.session import Session
 from prp_gym.viewing.signals import Signals
-from prp_gym.viewing.web.geoms import add_geoms, add_ghost
+from prp_gym.viewing.web.geoms import add_geoms
 
 _TRACE, _FORCE, _REFERENCE = rgb(MEASURED), rgb(FORCE), rgb(REFERENCE)
 _METRES_PER_NEWTON = 0.02
@@ -87,7 +87,7 @@ class SceneView:
         """Draw the present reference: a ball, and a ghost of the arm or the axes of the desired frame."""
         self._target = self._scene.add_icosphere("/reference/now", 0.018, _REFERENCE, opacity=0.6)
         of_joints = "desired_joint_position" in signals.fields
-        self.ghost = add_ghost(self._scene, self._model, _REFERENCE) if of_joints else {}
+        self.ghost = add_geoms(self._scene, self._model, "/reference/arm", _REFERENCE) if of_joints else {}
         of_pose = "desired_pose" in signals.fields
         self.axes = self._add_arrow("/reference/axes", np.zeros((3, 2, 3)), _REFERENCE) if of_pose else None
 
