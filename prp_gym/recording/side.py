@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.evaluation.policy_output import check_output
 from prp_gym.recording.signals import ErrorSignal, Sample, sample
 from prp_gym.runs.acting_policy import ActingPolicy
 
@@ -28,7 +29,8 @@ class Side:
 
     def __init__(self, acting: ActingPolicy, seed: int) -> None:
         self.name = acting.name
-        self._env, self._policy = acting.env, acting.policy
+        self._env, self._policy, self._reported = acting.env, acting.policy, acting.reported
+        self._shape = tuple(self._env.action_space.shape or ())
         self._observation, _ = self._env.reset(seed=seed)
         self._loop: EpisodeLoop = self._env.get_wrapper_attr("loop")
         self._state: Any = None
@@ -38,9 +40,16 @@ class Side:
         self.ended = False
 
     def advance(self, time: float) -> None:
-        """Run the episode up to a time since its start [s], or to its end."""
+        """Run the episode up to a time since its start [s], or to its end.
+
+        Raises:
+            PolicyOutputError: the policy returns something else than a finite action and a state.
+            UserCodeError: a user's code that fails.
+        """
         while not self.ended and self.samples[-1].time < time - _ALMOST:
-            action, self._state = self._policy.predict(self._observation, self._state, self._started, True)
+            with self._reported():
+                output = self._policy.predict(self._observation, self._state, self._started, True)
+                action, self._state = check_output(self._policy, output, self._shape)
             self._observation, _, terminated, truncated, _ = self._env.step(action)
             self._started = np.array([False])
             self.ended = bool(terminated or truncated)
