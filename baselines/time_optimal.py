@@ -95,7 +95,7 @@ class TimeOptimalController(Baseline[TimeOptimalSettings]):
 
     def _acceleration_limit(self, inertia: Array) -> Array:
         """Acceleration limit a (..., joints) from the inertia matrix (..., joints, joints)."""
-        own: Array = np.einsum("...ii->...i", inertia)
+        own: Array = np.diagonal(inertia, axis1=-2, axis2=-1)
         limit: Array = self.settings.acceleration_share * self.interface.torque_limit / own
         return limit
 

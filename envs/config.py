@@ -15,6 +15,7 @@ from prp_gym.physics.rendering import check_view
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import TORQUE_UNITS
 from prp_gym.tasks.scenario import Scenario
+from prp_gym.tasks.setup import ENGINES, MUJOCO
 
 SUBSTEPS_PER_SECOND = 1000
 _LEAST_RATE = 1e-3  # Hz
@@ -86,6 +87,14 @@ class EnvConfig:
             " for no limit",
         ),
     )
+    engine: str = field(
+        default=MUJOCO,
+        metadata=describe(
+            "",
+            "what simulates the robot: `mujoco`, the reference, or `compiled`, its steps in closed form in code"
+            " compiled from the formulas",
+        ),
+    )
     render_mode: str | None = field(
         default=None, metadata=describe("", "kind of frames: `human`, `rgb_array`, `depth_array` or None")
     )
@@ -100,6 +109,7 @@ class EnvConfig:
         load_scenario(self.scenario)
         check_action_mode(self.action_mode)
         choice("observation", self.observation, OBSERVATIONS)
+        choice("engine", self.engine, ENGINES)
         if self.render_mode is not None:
             choice("render_mode", self.render_mode, RENDER_MODES)
         self._check_numbers()

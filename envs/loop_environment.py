@@ -28,7 +28,7 @@ from prp_gym.envs.saved_state import (
 )
 from prp_gym.envs.tip_history import TipHistory
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
-from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.abstract_simulation import Simulation
 from prp_gym.physics.rendering import OffscreenRenderer, WindowRenderer
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
@@ -65,7 +65,8 @@ class LoopEnvironment:
         """Make the task at the control frequency of given keywords."""
         numbers = TaskNumbers.read(self.task_spec.numbers)
         period = 1.0 / config.control_frequency
-        return Task(self.task_spec, TaskSetup(numbers, config.load_scenario(), self.options, period))
+        setup = TaskSetup(numbers, config.load_scenario(), self.options, period, config.engine)
+        return Task(self.task_spec, setup)
 
     @property
     def loop(self) -> EpisodeLoop:

@@ -13,7 +13,7 @@ from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.loop_state import LoopState
 from prp_gym.envs.vector_info import Mask
 from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
-from prp_gym.physics.batch_simulation import PhysicsState
+from prp_gym.physics.abstract_simulation import PhysicsState
 from prp_gym.robot.arrays import Array
 
 _WHAT, _MEMORY = "saved state", "_memory"

@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Collection, Sized
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
+from prp_gym.symbolic.array import SymbolicArray
 
 Array = NDArray[np.float64]
 KindT = TypeVar("KindT")
@@ -69,6 +70,9 @@ def as_array(what: str, value: object, unit: str = "") -> Array:
     """
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
+    if isinstance(value, SymbolicArray):
+        symbolic: Any = value  # in the place of an array, while a formula is traced
+        return symbolic
     return as_numbers(what, value, unit)
 
 
@@ -79,6 +83,8 @@ def check_finite(what: str, numbers: Array, unit: str = "", largest: float = LAR
         NonFiniteError: NaN or infinity.
         InvalidValueError: a magnitude above the largest allowed one.
     """
+    if type(numbers) is SymbolicArray:
+        return
     if numbers.size <= _FEW:
         if math.hypot(*(numbers.tolist() if numbers.ndim == 1 else numbers.ravel().tolist())) <= largest:
             return

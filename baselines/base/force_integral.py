@@ -8,7 +8,7 @@ import numpy as np
 
 from prp_gym.baselines.base.approach_speed import ApproachSpeed
 from prp_gym.baselines.base.stiffness_estimator import EstimatedSurface, StiffnessEstimator
-from prp_gym.robot.arrays import Array, dot, norm
+from prp_gym.robot.arrays import Array, dot, norm, zeros
 
 Memory = tuple[Array, ...]
 
@@ -48,7 +48,7 @@ class ForceError(NamedTuple):
         size = norm(desired)[..., None]
         along = np.where(size > 0.0, desired, measured)
         length = norm(along)[..., None]
-        axis = np.divide(along, length, out=np.zeros(along.shape), where=length > 0.0)
+        axis = np.divide(along, length, out=zeros(along.shape, along), where=length > 0.0)
         return cls(axis, size, dot(axis, measured)[..., None])
 
 

@@ -23,7 +23,7 @@ from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Obs
 from prp_gym.baselines.base.references import PoseReference
 from prp_gym.baselines.base.settings import Vector
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, zeros
 
 FORCE_COMMAND_INPUTS = ("force_offset", "approach_speed_factor", "bandwidth_factor")
 """The inputs of every force controller that action modes may drive."""
@@ -179,7 +179,7 @@ class ForceLoop(OperationalBaseline[SettingsT]):
         base = self.base_motion(observed, state, error)
         M_d, K_D, K_P = self.settings.inertia, self.settings.derivative_gain, self.settings.proportional_gain
         braking = K_D * (base.velocity - measured.velocity)
-        lag = np.divide(-braking, K_P, out=np.zeros(braking.shape), where=K_P > 0.0)
+        lag = np.divide(-braking, K_P, out=zeros(braking.shape, braking), where=K_P > 0.0)
         tip = TipMotion(measured.pose[..., :3], measured.velocity[..., :3], lag[..., :3])
         x_F, memory = self._integral.step(state[:count], error, tip, _rate_scaling(observed))
         position_error = base.pose - measured.pose

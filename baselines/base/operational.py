@@ -9,7 +9,7 @@ from prp_gym.baselines.base.references import PoseReference
 from prp_gym.baselines.base.settings import Settings
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, apply, apply_transposed, solve_least_squares
+from prp_gym.robot.arrays import Array, anywhere, apply, apply_transposed, solve_least_squares
 
 SettingsT = TypeVar("SettingsT", bound=Settings)
 
@@ -118,9 +118,9 @@ class OperationalBaseline(Baseline[SettingsT]):
         blocked = np.zeros(q.shape, dtype=np.bool_)
         for _ in range(q.shape[-1]):  # every pass blocks at least one more joint, or ends the loop
             pressed = (at_lower & (joint_acceleration < 0.0)) | (at_upper & (joint_acceleration > 0.0))
-            if not np.count_nonzero(pressed):
+            if not anywhere(pressed):
                 break
-            blocked |= pressed
+            blocked = blocked | pressed
             free = np.where(blocked[..., None, :], 0.0, state.jacobian)
             held = solve_least_squares(free, wanted, max(damping, _HELD))
             joint_acceleration = np.where(

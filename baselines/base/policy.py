@@ -22,7 +22,7 @@ from prp_gym.baselines.base.settings import Settings
 from prp_gym.errors import ErrorObservationError, InvalidValueError, MissingFieldError
 from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, anywhere
 from prp_gym.robot.link import Link, LinkParameters
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -255,7 +255,7 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
         self, before: ControllerState, after: ControllerState, limited: NDArray[np.bool_]
     ) -> ControllerState:
         """Hold the integrators where an actuator is at its limit (anti-windup)."""
-        if not np.count_nonzero(limited):
+        if not anywhere(limited):
             return after
         return tuple(
             np.where(limited[..., None], old, new) if index in self.integrators else new

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, JointLimitError
-from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.abstract_simulation import ArmSimulation, Simulation
 from prp_gym.physics.mjcf import PhysicsSettings
-from prp_gym.physics.simulation import Physics
+from prp_gym.physics.engines import make_arm
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import JOINT_UNITS, NOMINAL
@@ -63,14 +63,14 @@ def checked_start(arm: PRPArm, position: Array, options: Mapping[str, Array]) ->
     return position, velocity
 
 
-def arm_physics(physics: Simulation) -> Physics:
+def arm_physics(physics: Simulation) -> ArmSimulation:
     """Narrow a simulation to one of the arm.
 
     Raises:
         InvalidValueError: a simulation of another robot.
     """
-    if not isinstance(physics, Physics):
-        raise InvalidValueError("physics", type(physics).__name__, "a Physics, which simulates the arm")
+    if not isinstance(physics, ArmSimulation):
+        raise InvalidValueError("physics", type(physics).__name__, "an ArmSimulation")
     return physics
 
 
@@ -87,13 +87,13 @@ class ArmWorld(World[StartT]):
 
     def __init__(self, setup: TaskSetup, surface: bool = False) -> None:
         self.arm = self.model = PRPArm(NOMINAL)
-        self._scenario = setup.scenario
+        self._scenario, self._engine = setup.scenario, setup.engine
         self._surface = surface
 
     def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
         """See `World.make_physics`."""
         settings = PhysicsSettings(timestep, self._scenario.joint_stops, self._surface)
-        return Physics(self.arm.parameters, settings, num_envs, num_threads)
+        return make_arm(self._engine, settings, num_envs, num_threads)
 
     def draw_plant(self, rng: np.random.Generator) -> PlantDraw:
         """See `World.draw_plant`; nothing is drawn where the plant is the nominal arm."""

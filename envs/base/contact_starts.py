@@ -11,7 +11,7 @@ from prp_gym.envs.base.arm_world import ARM_OPTIONS, ArmWorld, arm_physics, chec
 from prp_gym.envs.base.force_options import ForceSampler, NoForce
 from prp_gym.envs.base.surface_options import SURFACE_OPTIONS, make_surface, surface_value
 from prp_gym.envs.base.tracking_starts import path_from
-from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.abstract_simulation import Simulation
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, dot

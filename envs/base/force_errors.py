@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.base.motion_errors import SCORED_ANGLES
 from prp_gym.physics.surface import CONTACT_THRESHOLD
-from prp_gym.robot.arrays import Array, dot, norm, sum_of_products
+from prp_gym.robot.arrays import Array, dot, norm, sum_of_products, zeros
 from prp_gym.tasks.fields import FORCE_ERROR, Field, ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 from prp_gym.tasks.setup import TaskSetup
@@ -89,7 +89,7 @@ class ForceErrors(ErrorFunction):
         inward = desired / norm(desired)[..., None]
         pose_error = ground_truth[..., self._desired] - ground_truth[..., self._measured]
         deviation = pose_error[..., :3]
-        errors = np.zeros((*torque.shape[:-1], 5, 3))
+        errors = zeros((*torque.shape[:-1], 5, 3), torque)
         errors[..., :2, 0] = ground_truth[..., self._own]
         errors[..., 2, :] = deviation - dot(deviation, inward)[..., None] * inward
         errors[..., 3, :SCORED_ANGLES] = pose_error[..., 3 : 3 + SCORED_ANGLES]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, zeros
 from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 
@@ -22,7 +22,7 @@ class JointErrors(ErrorFunction):
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         """(..., 2, 3): joint tracking error [rad, m, rad] and torque [N m, N, N m]."""
-        errors = np.empty((*torque.shape[:-1], 2, 3))
+        errors = zeros((*torque.shape[:-1], 2, 3), torque)
         desired, measured = ground_truth[..., self._desired], ground_truth[..., self._measured]
         np.subtract(desired, measured, out=errors[..., 0, :])
         errors[..., 1, :] = torque
@@ -55,7 +55,7 @@ def stack_errors(pose_error: Array, torque: Array) -> Array:
     Returns:
         Errors (..., 3, 3), where rows of two components end with a zero.
     """
-    errors = np.zeros((*torque.shape[:-1], 3, 3))
+    errors = zeros((*torque.shape[:-1], 3, 3), torque)
     errors[..., 0, :] = pose_error[..., :3]
     errors[..., 1, :SCORED_ANGLES] = pose_error[..., 3 : 3 + SCORED_ANGLES]
     errors[..., 2, :] = torque

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.base.motion_errors import stack_errors
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, zeros
 from prp_gym.tasks.fields import MODEL_POSE, Field, ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 from prp_gym.tasks.setup import TaskSetup
@@ -43,7 +43,7 @@ class TargetErrors(ErrorFunction):
 
     def generalised_force(self, ground_truth: Array) -> Array:
         """The true contact force as a generalised force (..., 6) [N, N, N, N m, N m, N m]; no moments."""
-        force = np.zeros((*ground_truth.shape[:-1], 6))
+        force = zeros((*ground_truth.shape[:-1], 6), ground_truth)
         force[..., :3] = ground_truth[..., self._force]
         return force
 

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from prp_gym.physics.batch_simulation import PhysicsState
+from prp_gym.physics.abstract_simulation import PhysicsState
 
 STATE = (
     *("task", "ground_truth", "commanded_torque", "_actuators", "_sensors", "_window"),

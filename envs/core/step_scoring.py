@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.core.info import AVERAGED, COMMON_INFO, CONTACT_INFO, InfoField
-from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.abstract_simulation import Simulation
 from prp_gym.robot.arrays import Array, norm, total
 from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.task import Task

@@ -14,9 +14,9 @@ from prp_gym.envs.base.references import path_overlay
 from prp_gym.envs.base.scoring import LINK_SCORING
 from prp_gym.envs.config import describe
 from prp_gym.errors import InvalidValueError
-from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.abstract_simulation import LinkSimulation, Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
-from prp_gym.physics.link_simulation import LinkPhysics
+from prp_gym.physics import engines
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
 from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND, Field
@@ -112,16 +112,21 @@ class LinkStart(EpisodeStart):
 
 
 class LinkWorld(World[LinkStart]):
-    """A single link whose inertia, friction and gravity moment differ from the nominal ones."""
+    """A single link whose inertia, friction and gravity moment differ from the nominal ones.
+
+    Args:
+        setup: Numbers, scenario, keywords and period of the task.
+    """
 
     measured_fields = LINK_FIELDS
 
-    def __init__(self) -> None:
+    def __init__(self, setup: TaskSetup) -> None:
         self.model = Link(NOMINAL_LINK)
+        self._engine = setup.engine
 
     def make_physics(self, timestep: float, num_envs: int, num_threads: int) -> Simulation:
         """See `World.make_physics`."""
-        return LinkPhysics(NOMINAL_LINK, timestep, num_envs, num_threads)
+        return engines.make_link(self._engine, timestep, num_envs, num_threads)
 
     def draw_plant(self, rng: np.random.Generator) -> None:
         """See `World.draw_plant`: the plant is part of the start."""
@@ -130,10 +135,8 @@ class LinkWorld(World[LinkStart]):
         self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[LinkStart], plants: Sequence[Any]
     ) -> None:
         """See `World.configure`."""
-        if not isinstance(physics, LinkPhysics):
-            raise InvalidValueError(
-                "physics", type(physics).__name__, "a LinkPhysics, which simulates the link"
-            )
+        if not isinstance(physics, LinkSimulation):
+            raise InvalidValueError("physics", type(physics).__name__, "a LinkSimulation")
         links = [start.plant for start in starts]
         physics.set_parameters(
             ids,
@@ -234,7 +237,7 @@ def compose(setup: TaskSetup) -> TaskParts:
 
     Source: [R] 8.1.
     """
-    return TaskParts(LinkWorld(), LinkStarts(setup), LinkReference(), LinkErrors())
+    return TaskParts(LinkWorld(setup), LinkStarts(setup), LinkReference(), LinkErrors())
 
 
 TASK = register_task(

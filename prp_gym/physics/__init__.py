@@ -1,6 +1,6 @@
 """MuJoCo models of the arm and the link, the elastic surface, and simulations of them."""
 
-from prp_gym.physics.batch_simulation import PhysicsState, Simulation
+from prp_gym.physics.abstract_simulation import ArmSimulation, PhysicsState, Simulation
 from prp_gym.physics.link_mjcf import link_to_mjcf
 from prp_gym.physics.link_simulation import LinkPhysics
 from prp_gym.physics.mjcf import TIP_RADIUS, PhysicsSettings, to_mjcf
@@ -12,6 +12,7 @@ __all__ = [
     "CAMERAS",
     "MEASUREMENT_SIZE",
     "TIP_RADIUS",
+    "ArmSimulation",
     "LinkPhysics",
     "Physics",
     "PhysicsSettings",

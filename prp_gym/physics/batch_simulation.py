@@ -1,7 +1,7 @@
-"""`Simulation`: many simulations of one robot, stepped in parallel, with named measurements."""
+"""`BatchSimulation`: many simulations of one robot on MuJoCo's native batch."""
 
-from abc import ABC, abstractmethod
-from typing import Any, ClassVar, NamedTuple
+from abc import abstractmethod
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -9,6 +9,7 @@ from mujoco.batch import Batch
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.physics.abstract_simulation import PhysicsState, Simulation
 from prp_gym.physics.clock import stop_clock_once
 from prp_gym.physics.lost_batch import LostBatch, rebuild_after_fork
 from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
@@ -20,15 +21,7 @@ _NO_WARNING = 1000  # initial value of MuJoCo's counters: at a count of 0 it pri
 _PERSISTENT_UP_TO = 128  # simulations: more of them, with one MjData each, exceed the caches
 
 
-class PhysicsState(NamedTuple):
-    """Full state of the simulations; see `Simulation.snapshot`."""
-
-    integration: Array
-    warnings: NDArray[np.int32]
-    model_fields: dict[str, Array]
-
-
-class Simulation(ABC):
+class BatchSimulation(Simulation):
     """N simulations of a robot on MuJoCo's native batch; a single environment has N = 1.
 
     The measured quantities are read-only arrays with N rows, which are current after `reset` and `advance`.
@@ -128,13 +121,6 @@ class Simulation(ABC):
         """Duration of one substep [s]."""
         return self._timestep
 
-    @property
-    def measurement(self) -> Array:
-        """New array (N, measurement_size): joint position (n), joint velocity (n), and further columns."""
-        values = np.empty((self.num_simulations, self.measurement_size))
-        self.measure(values)
-        return values
-
     def measure(self, out: Array) -> None:
         """Write `measurement` into an array (N, measurement_size)."""
         np.multiply(self._measured, self._gain, out=out)
@@ -197,12 +183,6 @@ class Simulation(ABC):
     def stop_violation(self) -> Array:
         """Negative distances (N, n) of joints beyond their stops; 0 within the limits or without stops."""
         return self._stop_violation
-
-    @property
-    def joints_at_stop(self) -> NDArray[np.bool_]:
-        """Whether a joint is beyond its stop (N, n)."""
-        touching: NDArray[np.bool_] = self._stop_violation != 0.0
-        return touching
 
     @property
     def torque(self) -> Array:

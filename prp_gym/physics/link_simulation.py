@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from prp_gym.physics.batch_simulation import Simulation
+from prp_gym.physics.abstract_simulation import LinkSimulation
+from prp_gym.physics.batch_simulation import BatchSimulation
 from prp_gym.physics.link_fields import LinkFields
 from prp_gym.physics.link_mjcf import link_to_mjcf
 from prp_gym.physics.model_fields import Ids
@@ -16,7 +17,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, LinkParameters
 
 
-class LinkPhysics(Simulation):
+class LinkPhysics(BatchSimulation, LinkSimulation):
     """N simulations of the link I q̈ + F q̇ + G sin q = τ, without joint stops.
 
     `measurement` has the columns joint position [rad] and joint velocity [rad/s]; torques are in [N m].

@@ -7,8 +7,9 @@ import numpy as np
 from mujoco.batch import Batch
 
 from prp_gym.errors import InvalidValueError
+from prp_gym.physics.abstract_simulation import ArmSimulation, PhysicsState
 from prp_gym.physics.arm_fields import ArmFields
-from prp_gym.physics.batch_simulation import PhysicsState, Simulation
+from prp_gym.physics.batch_simulation import BatchSimulation
 from prp_gym.physics.mjcf import PhysicsSettings, compile_model
 from prp_gym.physics.model_fields import Ids
 from prp_gym.physics.sensor_layout import NO_COLUMNS, SensorLayout
@@ -30,7 +31,7 @@ _TIP_POSITION, _TIP_VELOCITY = slice(6, 9), slice(12, 15)
 _AFTER_FORCE = MEASUREMENT_SIZE + 3
 
 
-class Physics(Simulation):
+class Physics(BatchSimulation, ArmSimulation):
     """N simulations of the arm.
 
     `measurement` has the columns joint position (3), joint velocity (3), pose (6), pose rate (6), and in

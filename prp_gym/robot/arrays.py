@@ -11,13 +11,15 @@ from operator import add, mul
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from prp_gym.checks import Array, as_array, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.symbolic.array import SymbolicArray
 
 __all__ = [
     "Array",
+    "anywhere",
     "apply",
     "apply_transposed",
     "as_vectors",
@@ -31,9 +33,15 @@ __all__ = [
     "solve_symmetric",
     "sum_of_products",
     "total",
+    "zeros",
 ]
 
 _INVERTIBLE = "one that can be inverted"
+_OF_ARRAYS: dict[Callable[..., float], np.ufunc] = {
+    math.atan2: np.arctan2,
+    math.exp: np.exp,
+    math.log: np.log,
+}
 _LOWER = ((0, 0), (1, 0), (2, 0), (1, 1), (2, 1), (2, 2))
 
 
@@ -69,7 +77,22 @@ def broadcast(*arrays: Array) -> tuple[Array, ...]:
 
 def matrix_like(reference: Array, rows: int, columns: int) -> Array:
     """Zeros (..., rows, columns) with the leading dimensions of `reference`."""
-    return np.zeros((*reference.shape[:-1], rows, columns))
+    return zeros((*reference.shape[:-1], rows, columns), reference)
+
+
+def zeros(shape: tuple[int, ...], reference: Array) -> Array:
+    """Zeros that values of the kind of `reference` can be written into: of symbolic arrays, symbolic ones."""
+    if type(reference) is SymbolicArray:
+        return reference.zeros(shape)
+    return np.zeros(shape)
+
+
+def anywhere(mask: NDArray[np.bool_]) -> bool:
+    """Whether a mask is true somewhere, for a shortcut that gives the same result as the whole formula.
+
+    While a formula is traced this is not known, and no shortcut is taken.
+    """
+    return type(mask) is SymbolicArray or np.count_nonzero(mask) > 0
 
 
 def elementwise(function: Callable[..., float], *values: Array) -> Array:
@@ -78,6 +101,9 @@ def elementwise(function: Callable[..., float], *values: Array) -> Array:
     NumPy's own `exp`, `log`, `arctan2` and powers differ in the last bit between kinds of CPU; its `sin`,
     `cos` and `sqrt` do not.
     """
+    if any(type(array) is SymbolicArray for array in values):
+        traced: Array = _OF_ARRAYS[function](*values)
+        return traced
     results = map(function, *(array.ravel().tolist() for array in values))
     return np.array(list(results)).reshape(values[0].shape)
 
@@ -87,7 +113,7 @@ def total(values: Array) -> Array:
 
     Unlike the sums of NumPy and of BLAS, its rounding depends neither on the memory layout nor on the CPU.
     """
-    if values.ndim == 2 and len(values) == 1:
+    if values.ndim == 2 and len(values) == 1 and type(values) is np.ndarray:
         return np.array([reduce(add, row) for row in values.tolist()])
     result: Array = values[..., 0]
     for index in range(1, values.shape[-1]):
@@ -97,7 +123,7 @@ def total(values: Array) -> Array:
 
 def dot(left: Array, right: Array) -> Array:
     """Scalar product over the last axis, summed in order: (..., n), (..., n) -> (...)."""
-    if left.shape == right.shape and left.size == left.shape[-1]:
+    if left.shape == right.shape and left.size == left.shape[-1] and _are_numbers(left, right):
         product = sum_of_products(left.ravel().tolist(), right.ravel().tolist())
         return np.array(product, ndmin=left.ndim - 1)
     return total(left * right)
@@ -114,7 +140,7 @@ def sum_of_products(left: list[float], right: list[float]) -> float:
 
 def norm(vector: Array) -> Array:
     """Euclidean norm over the last axis, summed in order: (..., n) -> (...)."""
-    if vector.size == vector.shape[-1]:
+    if vector.size == vector.shape[-1] and type(vector) is np.ndarray:
         numbers = vector.ravel().tolist()
         return np.array(math.sqrt(sum_of_products(numbers, numbers)), ndmin=vector.ndim - 1)
     length: Array = np.sqrt(total(vector * vector))
@@ -160,7 +186,7 @@ def solve_symmetric(matrix: Array, vector: Array) -> Array:
     lower = (matrix[..., i, j] for i, j in _LOWER)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         solution = np.stack(_solve_components(*lower, *(vector[..., i] for i in range(3))), axis=-1)
-    if not np.isfinite(solution).all():
+    if type(solution) is np.ndarray and not np.isfinite(solution).all():
         raise InvalidValueError("matrix", matrix, _INVERTIBLE)
     return solution
 
@@ -207,7 +233,12 @@ def _is_single(matrix: Array, vector: Array) -> bool:
     """Whether there is one matrix and one vector; its numbers are faster than arrays, with the same bits."""
     count = vector.size * matrix.size
     rows, columns = matrix.shape[-2:]
-    return count == rows * columns * vector.shape[-1] and matrix.ndim == vector.ndim + 1
+    return _are_numbers(matrix, vector) and count == rows * columns * vector.shape[-1] and matrix.ndim == vector.ndim + 1
+
+
+def _are_numbers(left: Array, right: Array) -> bool:
+    """Whether neither array is symbolic."""
+    return type(left) is np.ndarray and type(right) is np.ndarray
 
 
 def _rows(matrix: Array) -> list[list[float]]:

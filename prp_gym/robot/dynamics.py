@@ -5,7 +5,7 @@ environment. Symbols: u = d̄_2 + q_2; c_i are the distances to the centres of m
 """
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +19,10 @@ from prp_gym.robot.arrays import (
     dot,
     matrix_like,
     solve_symmetric,
+    zeros,
 )
 from prp_gym.robot.motion import MotionConversion
-from prp_gym.robot.parameters import NOMINAL, RobotParameters
+from prp_gym.robot.parameters import NOMINAL, ArmGeometry, RobotParameters
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,19 @@ class BaseParameters:
     @classmethod
     def of(cls, parameters: RobotParameters) -> "BaseParameters":
         """The base parameters of an arm."""
-        geometry = parameters.geometry
-        m_1, m_2, m_3 = parameters.link_mass
-        (_, _, i_1z), (_, _, i_2z), (i_3x, i_3y, i_3z) = parameters.link_inertia
+        return cls.of_links(parameters.geometry, parameters.link_mass, parameters.link_inertia)
+
+    @classmethod
+    def of_links(cls, geometry: ArmGeometry, link_mass: Any, link_inertia: Any) -> "BaseParameters":
+        """The base parameters of one arm or of many.
+
+        Args:
+            geometry: geometry of the arm.
+            link_mass: masses of the links (3), numbers or arrays (...) [kg].
+            link_inertia: inertia of each link about its axes (3, 3), numbers or arrays (...) [kg m^2].
+        """
+        m_1, m_2, m_3 = link_mass
+        (_, _, i_1z), (_, _, i_2z), (i_3x, i_3y, i_3z) = link_inertia
         c_1, c_2 = geometry.first_link_center_of_mass, geometry.second_link_center_of_mass
         c_3, a_1 = geometry.third_link_center_of_mass, geometry.first_link_offset
         return cls(
@@ -78,6 +89,17 @@ class Dynamics(MotionConversion):
         self.base_parameters = BaseParameters.of(parameters)
         self._viscous_friction = np.array(parameters.viscous_friction)
         self._coulomb_friction = np.array(parameters.coulomb_friction)
+
+    def use_plant(self, base_parameters: BaseParameters, viscous_friction: Array) -> None:
+        """Take other masses and friction, one for each arm (...), and no Coulomb friction.
+
+        Args:
+            base_parameters: base parameters, numbers or arrays (...).
+            viscous_friction: F_v (..., 3) [N m s/rad, N s/m, N m s/rad].
+        """
+        self.base_parameters = base_parameters
+        self._viscous_friction = viscous_friction
+        self._coulomb_friction = np.zeros(3)
 
     def inertia_matrix(self, joint_position: ArrayLike) -> Array:
         """B(q), symmetric and positive definite.
@@ -154,7 +176,7 @@ class Dynamics(MotionConversion):
         return self._gravity(as_vectors(joint_position, "joint_position"))
 
     def _gravity(self, q: Array) -> Array:
-        gravity = np.zeros(q.shape)
+        gravity = zeros(q.shape, q)
         gravity[..., 2] = self.base_parameters.third_moment * self.parameters.gravity * np.cos(q[..., 2])
         return gravity
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from prp_gym.errors import UnreachableError
-from prp_gym.robot.arrays import Array, as_vectors, broadcast, elementwise, norm, total
+from prp_gym.robot.arrays import Array, as_vectors, broadcast, elementwise, norm, total, zeros
 from prp_gym.robot.kinematics import Kinematics
 from prp_gym.robot.parameters import JOINT_UNITS
 
@@ -36,7 +36,7 @@ def branches(kinematics: Kinematics, tip_position: Array) -> Array:
     sin_3 = np.clip((z - geometry.base_height) / a_3, -1.0, 1.0)
     cos_3 = _COS_3_SIGNS * np.sqrt(1.0 - sin_3**2)
     reach = _REACH_SIGNS * np.sqrt(np.maximum(x**2 + y**2 - a_1**2, 0.0))
-    joints = np.empty((*tip_position.shape[:-1], 4, 3))
+    joints = zeros((*tip_position.shape[:-1], 4, 3), tip_position)
     joints[..., 0] = elementwise(math.atan2, reach * x + a_1 * y, a_1 * x - reach * y)
     joints[..., 1] = reach - geometry.slide_offset - a_3 * cos_3
     joints[..., 2] = elementwise(math.atan2, np.broadcast_to(sin_3, cos_3.shape), cos_3)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from prp_gym.errors import InvalidValueError
-from prp_gym.robot.arrays import Array, as_vectors, broadcast, matrix_like, multiply
+from prp_gym.robot.arrays import Array, as_vectors, broadcast, matrix_like, multiply, zeros
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
@@ -76,7 +76,7 @@ class Kinematics:
 
     def _pose(self, q: Array, trig: _Trigonometry) -> Array:
         geometry = self.parameters.geometry
-        pose = np.empty((*q.shape[:-1], 6))
+        pose = zeros((*q.shape[:-1], 6), q)
         pose[..., 0] = trig.reach * trig.sin_1 + geometry.first_link_offset * trig.cos_1
         pose[..., 1] = -trig.reach * trig.cos_1 + geometry.first_link_offset * trig.sin_1
         pose[..., 2] = geometry.base_height + geometry.third_link_length * trig.sin_3
@@ -117,7 +117,7 @@ class Kinematics:
         Source: [S] 2.8.2; the table in [R] 1.1.
         """
         q = as_vectors(joint_position, "joint_position")
-        frames = np.empty((*q.shape[:-1], 5, 4, 4))
+        frames = zeros((*q.shape[:-1], 5, 4, 4), q)
         current = np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4))
         for index, link in enumerate(self._denavit_hartenberg_rows(q)):
             current = multiply(current, link)
@@ -258,7 +258,7 @@ def _denavit_hartenberg_transform(a: float, alpha: float, d: Array, theta: Array
     """T_{i-1}^i of one row of the Denavit-Hartenberg table, (..., 4, 4)."""
     sine, cosine = np.sin(theta), np.cos(theta)
     sin_alpha, cos_alpha = math.sin(alpha), math.cos(alpha)
-    transform = np.zeros((*theta.shape, 4, 4))
+    transform = zeros((*theta.shape, 4, 4), theta)
     transform[..., 0, 0], transform[..., 0, 1] = cosine, -sine * cos_alpha
     transform[..., 0, 2], transform[..., 0, 3] = sine * sin_alpha, a * cosine
     transform[..., 1, 0], transform[..., 1, 1] = sine, cosine * cos_alpha

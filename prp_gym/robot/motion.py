@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from prp_gym.robot.arrays import Array, apply, as_vectors, broadcast, solve_least_squares
+from prp_gym.robot.arrays import Array, apply, as_vectors, broadcast, solve_least_squares, zeros
 from prp_gym.robot.inverse_kinematics import InverseKinematics
 
 
@@ -61,7 +61,7 @@ class MotionConversion(InverseKinematics):
         """
         x = as_vectors(pose, "pose", 6)
         q_1 = x[..., 3]
-        joints = np.zeros((*x.shape[:-1], 3))
+        joints = zeros((*x.shape[:-1], 3), x)
         joints[..., 0], joints[..., 2] = q_1, np.pi / 2 - x[..., 4]
         along_slide = x[..., 0] * np.sin(q_1) - x[..., 1] * np.cos(q_1)
         joints[..., 1] = along_slide - self.reach(joints)

@@ -18,7 +18,7 @@ from prp_gym.tasks.trajectory import Trajectory
 
 if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
     from prp_gym.drawing.overlay import OverlayItem
-    from prp_gym.physics.batch_simulation import Simulation
+    from prp_gym.physics.abstract_simulation import Simulation
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,6 +48,11 @@ def _read_table(path: Path) -> dict[str, Any]:
     return FileReader().read_toml(path)
 
 
+MUJOCO, COMPILED = "mujoco", "compiled"
+ENGINES = (MUJOCO, COMPILED)
+"""What simulates a world: MuJoCo, or its steps in closed form, in code compiled from the formulas."""
+
+
 @dataclass(frozen=True)
 class TaskSetup:
     """The inputs from which the parts of a task are made.
@@ -57,12 +62,14 @@ class TaskSetup:
         scenario: Conditions of the episodes.
         options: The task's own keywords.
         period: Control period [s].
+        engine: What simulates the world, one of `ENGINES`.
     """
 
     numbers: TaskNumbers
     scenario: Scenario
     options: Any
     period: float
+    engine: str = MUJOCO
 
     @property
     def ranges(self) -> Mapping[str, Range]:

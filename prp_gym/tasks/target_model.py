@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from prp_gym.checks import within
 from prp_gym.errors import InvalidValueError
-from prp_gym.robot.arrays import Array, as_vectors, multiply, total
+from prp_gym.robot.arrays import Array, as_vectors, multiply, total, zeros
 
 _SAFE_SQUARINGS = 4  # beyond those that bring the norm to 1
 _TAYLOR_TERMS = 16
@@ -87,7 +87,7 @@ class TargetModel:
             force: Force h (..., 6) [N, N, N, N m, N m, N m].
         """
         h = as_vectors(force, "force", 6)
-        displacement: Array = np.divide(h, self.stiffness, out=np.zeros(h.shape), where=self.stiffness > 0.0)
+        displacement: Array = np.divide(h, self.stiffness, out=zeros(h.shape, h), where=self.stiffness > 0.0)
         return displacement
 
     def advance(self, displacement: Displacement, start_force: Array, end_force: Array) -> Displacement:
@@ -98,7 +98,7 @@ class TargetModel:
             start_force: Force at the start of the period (..., 6) [N, N, N, N m, N m, N m].
             end_force: Force at the end of the period (..., 6); equal to `start_force` for a constant force.
         """
-        motion = np.empty((4, *displacement.value.shape))
+        motion = zeros((4, *displacement.value.shape), start_force)
         for index, part in enumerate((*displacement, start_force, end_force)):
             motion[index] = part
         self.follow(motion)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from prp_gym.checks import as_array, bounded, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, zeros
 
 _LEAST_INTERVAL = 1e-9  # s
 _FREQUENCIES = (1e-9, 1e12)  # rad/s
@@ -117,7 +117,7 @@ class Constant(Trajectory):
         """See `Trajectory.sample`."""
         time = self._times(time)
         size = self.position.shape[-1]
-        values = np.zeros((*time.shape, 3 * size))
+        values = zeros((*time.shape, 3 * size), self.position)
         values[..., :size] = self.position
         return values
 

@@ -1,0 +1,115 @@
+/* N arms, advanced one after the other with the functions generated from the formulas. */
+
+#define PRP_PLANT 16   /* components of a plant */
+#define PRP_SURFACE 11 /* components of a surface */
+#define PRP_COULOMB 13 /* place of the Coulomb friction in a plant */
+
+/* The forces of the constraints in the joints, and of the surface; `b` becomes b + Σ Jᵀf. */
+static inline void prp_constrain(
+    const prp_world *world, const double *q, const double *v, const double *plant, const double *surface,
+    const double *B, double *b, double *push, double *along)
+{
+    prp_constraints c;
+    double J[9], reference[3], weight[3], first[3];
+    *push = 0.0;
+    c.count = 0;
+    if (world->friction) {
+        prp_friction_rows(q, v, plant, J, reference, weight);
+        for (int i = 0; i < 3; i++) {
+            if (plant[PRP_COULOMB + i] == 0.0)
+                continue;
+            const int n = c.count++;
+            c.jacobian[n][0] = J[3 * i], c.jacobian[n][1] = J[3 * i + 1], c.jacobian[n][2] = J[3 * i + 2];
+            c.reference[n] = reference[i], c.weight[n] = weight[i], c.loss[n] = plant[PRP_COULOMB + i];
+        }
+    }
+    if (world->stops) {
+        prp_stop_rows(q, v, plant, J, reference, weight);
+        for (int i = 0; i < 3; i++) {
+            if (weight[i] == 0.0)
+                continue;
+            const int n = c.count++;
+            c.jacobian[n][0] = J[3 * i], c.jacobian[n][1] = J[3 * i + 1], c.jacobian[n][2] = J[3 * i + 2];
+            c.reference[n] = reference[i], c.weight[n] = weight[i], c.loss[n] = -1.0;
+        }
+    }
+    const int others = c.count;
+    int touches = 0;
+    if (world->surface) {
+        prp_surface_row(q, v, plant, surface, along, reference, weight);
+        touches = weight[0] != 0.0;
+    }
+    if (others == 0) {
+        if (touches) {
+            prp_surface_force(B, b, along, reference, weight, push);
+            for (int j = 0; j < 3; j++)
+                b[j] += along[j] * *push;
+        }
+        return;
+    }
+    if (touches) {
+        const int n = c.count++;
+        c.jacobian[n][0] = along[0], c.jacobian[n][1] = along[1], c.jacobian[n][2] = along[2];
+        c.reference[n] = reference[0], c.weight[n] = weight[0], c.loss[n] = -1.0;
+    }
+    prp_solve3(B, b, first);
+    prp_minimise(&c, B, b, first);
+    for (int i = 0; i < c.count; i++)
+        for (int j = 0; j < 3; j++)
+            b[j] += c.jacobian[i][j] * c.force[i];
+    if (touches)
+        *push = c.force[c.count - 1];
+}
+
+static inline int prp_inside(const prp_world *world, const double *q, const double *v)
+{
+    for (int j = 0; j < 3; j++)
+        if (!(fabs(q[j]) <= world->bound[j] && fabs(v[j]) <= world->bound[3 + j]))
+            return 0;
+    return 1;
+}
+
+/* Advance and measure; every array has a row for each arm. Returns whether all are within limits.
+
+   measured: joint position, joint velocity, pose, pose rate, contact force; beyond: how far joints are beyond
+   their stops; lost: whether an arm has left the bounds, where it stays. */
+int prp_advance(
+    long first, long count, const prp_world *world, double *restrict position, double *restrict velocity,
+    const double *restrict torque, const double *restrict plants, const double *restrict surfaces,
+    double *restrict measured, double *restrict beyond, unsigned char *restrict lost)
+{
+    const int width = world->surface ? 21 : 18;
+    int inside = 1;
+    for (long row = first; row < first + count; row++) {
+        double *q = position + 3 * row, *v = velocity + 3 * row;
+        const double *tau = torque + 3 * row, *plant = plants + PRP_PLANT * row;
+        const double *surface = surfaces + PRP_SURFACE * row;
+        double B[9], b[3], push, along[3], later[3], faster[3];
+        for (int k = 0; k < world->substeps && !lost[row]; k++) {
+            prp_unconstrained(q, v, tau, plant, B, b);
+            prp_constrain(world, q, v, plant, surface, B, b, &push, along);
+            prp_advanced(q, v, plant, B, b, later, faster);
+            for (int j = 0; j < 3; j++) {
+                if (isfinite(later[j]) && isfinite(faster[j]))
+                    q[j] = later[j], v[j] = faster[j];
+                else
+                    lost[row] = 1;
+            }
+        }
+        lost[row] |= !prp_inside(world, q, v);
+        double *out = measured + width * row;
+        prp_measured(q, v, out);
+        if (world->surface) {
+            prp_unconstrained(q, v, tau, plant, B, b);
+            prp_constrain(world, q, v, plant, surface, B, b, &push, along);
+            for (int j = 0; j < 3; j++)
+                out[18 + j] = -push * surface[8 + j];
+        }
+        if (world->stops) {
+            prp_beyond(q, beyond + 3 * row);
+            inside &= beyond[3 * row] == 0.0 && beyond[3 * row + 1] == 0.0 && beyond[3 * row + 2] == 0.0;
+        }
+        inside &= !lost[row];
+    }
+    return inside;
+}

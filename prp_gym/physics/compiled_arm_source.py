@@ -1,0 +1,133 @@
+"""The C source of the arm's simulation: functions generated from the formulas, and the loop that calls them."""
+
+import copy
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from prp_gym.physics.closed_form import ClosedForm, Rows, SurfaceRows, surface_force
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array, apply
+from prp_gym.robot.dynamics import BaseParameters
+from prp_gym.robot.parameters import NOMINAL
+from prp_gym.symbolic.c_source import PREAMBLE, c_function
+from prp_gym.symbolic.function import trace
+
+_HAND_WRITTEN = ("compiled_world.h", "constraint_solver.c", "compiled_arm.c")
+
+PLANT = {
+    "base_parameters": slice(0, 6),
+    "viscous_friction": slice(6, 9),
+    "joint_inverse_weight": slice(9, 12),
+    "tip_inverse_weight": slice(12, 13),
+    "coulomb_friction": slice(13, 16),
+}
+"""Columns of a plant, see `ClosedForm`."""
+
+PLANT_SIZE = 16
+
+SURFACE = {
+    "stiffness": slice(0, 1),
+    "damping": slice(1, 2),
+    "point": slice(2, 5),
+    "velocity": slice(5, 8),
+    "normal": slice(8, 11),
+}
+"""Columns of a surface, see `SurfaceRows`."""
+
+SURFACE_SIZE = 11
+
+_STATE = {"q": (3,), "velocity": (3,)}
+_FORCES = {"B": (3, 3), "b": (3,)}
+
+
+def closed_form(plant: Array, timestep: float) -> ClosedForm:
+    """The arms whose plants are the rows of an array (..., `PLANT_SIZE`)."""
+    base = plant[..., PLANT["base_parameters"]]
+    arm = copy.copy(PRPArm(NOMINAL))
+    values: list[Any] = [base[..., index] for index in range(6)]
+    viscous_friction = plant[..., PLANT["viscous_friction"]]
+    arm.use_plant(BaseParameters(*values), viscous_friction)
+    return ClosedForm(
+        arm,
+        viscous_friction,
+        plant[..., PLANT["joint_inverse_weight"]],
+        plant[..., 12],
+        timestep,
+    )
+
+
+@cache
+def arm_source(timestep: float) -> str:
+    """The C source of simulations with a duration of steps [s]."""
+    functions = [
+        c_function(trace(f"prp_{name}", formula, shapes))
+        for name, (formula, shapes) in _formulas(timestep).items()
+    ]
+    texts = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
+    return "\n".join([PREAMBLE, *functions, *texts])
+
+
+def _formulas(timestep: float) -> dict[str, tuple[Callable[..., Mapping[str, Any]], dict[str, Any]]]:
+    """The formulas by name, with the shapes of their arguments."""
+    plant = {"plant": (PLANT_SIZE,)}
+    surface = {"surface": (SURFACE_SIZE,)}
+    row = {"along": (3,), "reference": (1,), "weight": (1,)}
+
+    def unconstrained(q: Any, velocity: Any, torque: Any, plant: Any) -> Mapping[str, Any]:
+        B, b = closed_form(plant, timestep).unconstrained(q, velocity, torque)
+        return {"B": B, "b": b}
+
+    def friction_rows(q: Any, velocity: Any, plant: Any) -> Mapping[str, Any]:
+        return _rows(closed_form(plant, timestep).friction_rows(q, velocity))
+
+    def stop_rows(q: Any, velocity: Any, plant: Any) -> Mapping[str, Any]:
+        return _rows(closed_form(plant, timestep).stop_rows(q, velocity))
+
+    def surface_row(q: Any, velocity: Any, plant: Any, surface: Any) -> Mapping[str, Any]:
+        rows = closed_form(plant, timestep).surface_row(q, velocity, _surface(surface))
+        return {"along": rows.jacobian[0], "reference": rows.reference, "weight": rows.weight}
+
+    def force(B: Any, b: Any, along: Any, reference: Any, weight: Any) -> Mapping[str, Any]:
+        return {"push": surface_force(B, b, Rows(along[None], reference, weight))}
+
+    def advanced(q: Any, velocity: Any, plant: Any, B: Any, b: Any) -> Mapping[str, Any]:
+        later, faster = closed_form(plant, timestep).advanced(q, velocity, B, b)
+        return {"later": later, "faster": faster}
+
+    def measured(q: Any, velocity: Any) -> Mapping[str, Any]:
+        arm = PRPArm(NOMINAL)
+        pose, rate = arm.forward_kinematics(q), apply(arm.analytical_jacobian(q), velocity)
+        return {"measured": np.concatenate([q, velocity, pose, rate], axis=-1)}
+
+    def beyond(q: Any) -> Mapping[str, Any]:
+        low, high = np.array(NOMINAL.joint_lower), np.array(NOMINAL.joint_upper)
+        return {"beyond": np.minimum(np.minimum(q - low, high - q), 0.0)}
+
+    return {
+        "unconstrained": (unconstrained, {**_STATE, "torque": (3,), **plant}),
+        "friction_rows": (friction_rows, {**_STATE, **plant}),
+        "stop_rows": (stop_rows, {**_STATE, **plant}),
+        "surface_row": (surface_row, {**_STATE, **plant, **surface}),
+        "surface_force": (force, {**_FORCES, **row}),
+        "advanced": (advanced, {**_STATE, **plant, **_FORCES}),
+        "measured": (measured, _STATE),
+        "beyond": (beyond, {"q": (3,)}),
+    }
+
+
+def _rows(rows: Rows) -> Mapping[str, Any]:
+    return {"jacobian": rows.jacobian, "reference": rows.reference, "weight": rows.weight}
+
+
+def _surface(surface: Any) -> SurfaceRows:
+    return SurfaceRows(
+        surface[..., 0],
+        surface[..., 1],
+        surface[..., SURFACE["point"]],
+        surface[..., SURFACE["velocity"]],
+        surface[..., SURFACE["normal"]],
+    )

@@ -1,0 +1,5 @@
+/* What a world has; see `World` of compiled_simulation.py. */
+typedef struct {
+    int stops, friction, surface, substeps;
+    double bound[6];
+} prp_world;

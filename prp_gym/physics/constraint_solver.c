@@ -1,0 +1,144 @@
+/* The accelerations of three joints under soft constraints.
+
+   The acceleration a minimises ½ aᵀB a - bᵀa + Σ s_i(J_i a - r_i) with s_i(z) = ½ w_i z² on one side of zero
+   for a stop or a surface, and for friction with the slope ±loss_i beyond |z| = loss_i/w_i. The minimum is found
+   by Newton's method with an exact line search: the cost is convex and piecewise quadratic, so that the search
+   ends after a few steps at the exact minimum.
+
+   Source: MuJoCo documentation, Computation, Constraint model and Solver. */
+
+#define PRP_ROWS 7 /* friction (3), joint stops (3), surface (1) */
+#define PRP_FRICTION 3
+#define PRP_MOST_STEPS 100
+
+typedef struct {
+    int count;
+    double jacobian[PRP_ROWS][3], reference[PRP_ROWS], weight[PRP_ROWS];
+    double loss[PRP_ROWS]; /* of friction; negative for a constraint with one side */
+    double force[PRP_ROWS];
+} prp_constraints;
+
+static inline double prp_dot3(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Solve a symmetric, positive definite system of three equations, by its factors L D Lᵀ. */
+static inline void prp_solve3(const double matrix[9], const double right[3], double solution[3])
+{
+    const double l_21 = matrix[3] / matrix[0], l_31 = matrix[6] / matrix[0];
+    const double d_2 = matrix[4] - l_21 * matrix[3], rest = matrix[7] - l_31 * matrix[3];
+    const double l_32 = rest / d_2;
+    const double d_3 = matrix[8] - l_31 * matrix[6] - l_32 * rest;
+    const double y_2 = right[1] - l_21 * right[0];
+    const double y_3 = right[2] - l_31 * right[0] - l_32 * y_2;
+    solution[2] = y_3 / d_3;
+    solution[1] = y_2 / d_2 - l_32 * solution[2];
+    solution[0] = right[0] / matrix[0] - l_21 * solution[1] - l_31 * solution[2];
+}
+
+/* The force of a constraint at z = J a - r; `stiff` is set to -d force/dz. */
+static inline double prp_force(const prp_constraints *c, int i, double z, double *stiff)
+{
+    const double spring = -c->weight[i] * z;
+    *stiff = c->weight[i];
+    if (c->loss[i] < 0.0) {
+        if (z < 0.0)
+            return spring;
+        *stiff = 0.0;
+        return 0.0;
+    }
+    if (spring > c->loss[i] || spring < -c->loss[i]) {
+        *stiff = 0.0;
+        return spring > 0.0 ? c->loss[i] : -c->loss[i];
+    }
+    return spring;
+}
+
+/* Slope and curvature of the cost along a line, at the share t of a step. */
+static inline double prp_slope(
+    const prp_constraints *c, const double *z, const double *move, double linear, double square, double t,
+    double *curvature)
+{
+    double slope = linear + square * t;
+    *curvature = square;
+    for (int i = 0; i < c->count; i++) {
+        double stiff;
+        const double force = prp_force(c, i, z[i] + t * move[i], &stiff);
+        slope -= force * move[i];
+        *curvature += stiff * move[i] * move[i];
+    }
+    return slope;
+}
+
+/* The share of a step at which the cost is least: the root of a slope that rises in straight pieces. */
+static double prp_line_search(
+    const prp_constraints *c, const double *z, const double *move, double linear, double square)
+{
+    double low = 0.0, high = INFINITY, t = 1.0;
+    for (int k = 0; k < PRP_MOST_STEPS; k++) {
+        double curvature;
+        const double slope = prp_slope(c, z, move, linear, square, t, &curvature);
+        if (slope == 0.0)
+            return t;
+        if (slope < 0.0)
+            low = t;
+        else
+            high = t;
+        const double next = t - slope / curvature;
+        if (next == t)
+            return t;
+        t = next > low && next < high ? next : (high < INFINITY ? 0.5 * (low + high) : 2.0 * low + 1.0);
+        if (t == low || t == high)
+            return t;
+    }
+    return t;
+}
+
+/* Minimise; `a` holds the first guess and then the accelerations, `c->force` the forces of the constraints. */
+static void prp_minimise(prp_constraints *c, const double B[9], const double b[3], double a[3])
+{
+    for (int step = 0; step < PRP_MOST_STEPS; step++) {
+        double hessian[9], gradient[3], direction[3], z[PRP_ROWS], move[PRP_ROWS], stiff[PRP_ROWS];
+        int unchanged = 1;
+        for (int j = 0; j < 3; j++)
+            gradient[j] = b[j] - prp_dot3(B + 3 * j, a);
+        for (int j = 0; j < 9; j++)
+            hessian[j] = B[j];
+        for (int i = 0; i < c->count; i++) {
+            const double *J = c->jacobian[i];
+            z[i] = prp_dot3(J, a) - c->reference[i];
+            c->force[i] = prp_force(c, i, z[i], &stiff[i]);
+            for (int j = 0; j < 3; j++) {
+                gradient[j] += J[j] * c->force[i];
+                for (int k = 0; k < 3; k++)
+                    hessian[3 * j + k] += stiff[i] * J[j] * J[k];
+            }
+        }
+        prp_solve3(hessian, gradient, direction);
+        for (int i = 0; i < c->count; i++) {
+            double later;
+            move[i] = prp_dot3(c->jacobian[i], direction);
+            const double force = prp_force(c, i, z[i] + move[i], &later);
+            unchanged &= later == stiff[i] && (later != 0.0 || force == c->force[i]);
+        }
+        double t = 1.0;
+        if (!unchanged) {
+            double linear = 0.0, square = 0.0;
+            for (int j = 0; j < 3; j++) {
+                const double moved = prp_dot3(B + 3 * j, direction);
+                linear += moved * a[j] - b[j] * direction[j];
+                square += moved * direction[j];
+            }
+            t = prp_line_search(c, z, move, linear, square);
+        }
+        for (int j = 0; j < 3; j++)
+            a[j] += t * direction[j];
+        if (unchanged || t == 0.0)
+            break;
+    }
+    for (int i = 0; i < c->count; i++) {
+        double stiff;
+        c->force[i] = prp_force(c, i, prp_dot3(c->jacobian[i], a) - c->reference[i], &stiff);
+    }
+}

@@ -1,0 +1,129 @@
+"""The scalar operations of expression graphs: each one's function of NumPy, C text and derivative."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from prp_gym.symbolic.graph import Node
+
+Adjoint = Callable[..., "tuple[Node | float, ...]"]
+"""From the derivative of a quantity by a result, that result and the arguments: its derivatives by these."""
+
+
+@dataclass(frozen=True, eq=False)
+class Operation:
+    """One operation on scalars.
+
+    Attributes:
+        name: name of the operation.
+        ufunc: function of NumPy with the same result, bit for bit.
+        text: C expression, with `{0}`, `{1}`, ... for the arguments.
+        adjoint: derivatives; None for an operation whose derivative is zero wherever it exists.
+        truth: whether the result is a truth value.
+        commutes: whether the order of the two arguments is irrelevant.
+    """
+
+    name: str
+    ufunc: np.ufunc | Callable[..., Any]
+    text: str
+    adjoint: Adjoint | None = None
+    truth: bool = False
+    commutes: bool = False
+
+    def evaluate(self, *values: float) -> float:
+        """The result of numbers."""
+        with np.errstate(all="ignore"):
+            return float(self.ufunc(*values))
+
+
+def _apply(operation: Operation, node: Node, *others: Node | float) -> Node:
+    return node.graph.apply(operation, node, *others)
+
+
+def _choose(condition: Node, yes: Node | float, no: Node | float) -> Node:
+    return condition.graph.apply(WHERE, condition, yes, no)
+
+
+def _arc_tangent(g: Node, _: Node, y: Node, x: Node) -> tuple[Node, Node]:
+    square = x * x + y * y
+    return g * x / square, -(g * y) / square
+
+
+ADD = Operation("add", np.add, "{0} + {1}", lambda g, _, a, b: (g, g), commutes=True)
+SUBTRACT = Operation("subtract", np.subtract, "{0} - {1}", lambda g, _, a, b: (g, -g))
+MULTIPLY = Operation("multiply", np.multiply, "{0} * {1}", lambda g, _, a, b: (g * b, g * a), commutes=True)
+DIVIDE = Operation("divide", np.divide, "{0} / {1}", lambda g, y, a, b: (g / b, -(g * y) / b))
+NEGATIVE = Operation("negative", np.negative, "-{0}", lambda g, _, a: (-g,))
+SINE = Operation("sin", np.sin, "sin({0})", lambda g, _, a: (g * _apply(COSINE, a),))
+COSINE = Operation("cos", np.cos, "cos({0})", lambda g, _, a: (-(g * _apply(SINE, a)),))
+SQUARE_ROOT = Operation(
+    "sqrt",
+    np.sqrt,
+    "sqrt({0})",
+    # at zero, where a length has no derivative, zero stands between those of its two sides
+    lambda g, y, a: (_choose(_apply(GREATER, y, 0.0), g / (y + y), 0.0),),
+)
+EXPONENTIAL = Operation("exp", np.exp, "exp({0})", lambda g, y, a: (g * y,))
+LOGARITHM = Operation("log", np.log, "log({0})", lambda g, _, a: (g / a,))
+ARC_TANGENT = Operation("arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent)
+ABSOLUTE = Operation("absolute", np.absolute, "fabs({0})", lambda g, _, a: (g * _apply(SIGN, a),))
+COPY_SIGN = Operation(
+    "copysign",
+    np.copysign,
+    "copysign({0}, {1})",
+    lambda g, _, a, b: (g * _apply(SIGN, a) * _apply(SIGN, b), 0.0),
+)
+SIGN = Operation("sign", np.sign, "(double)(({0} > 0.0) - ({0} < 0.0))")
+FLOOR = Operation("floor", np.floor, "floor({0})")
+ROUND = Operation("rint", np.rint, "rint({0})")
+REMAINDER = Operation(
+    "remainder",
+    np.remainder,
+    "prp_remainder({0}, {1})",
+    lambda g, _, a, b: (g, -(g * _apply(FLOOR, a / b))),
+)
+MINIMUM = Operation(
+    "minimum",
+    np.minimum,
+    "({0} < {1} ? {0} : {1})",
+    lambda g, _, a, b: (_choose(_apply(LESS, a, b), g, 0.0), _choose(_apply(LESS, a, b), 0.0, g)),
+    commutes=True,
+)
+MAXIMUM = Operation(
+    "maximum",
+    np.maximum,
+    "({0} > {1} ? {0} : {1})",
+    lambda g, _, a, b: (_choose(_apply(GREATER, a, b), g, 0.0), _choose(_apply(GREATER, a, b), 0.0, g)),
+    commutes=True,
+)
+LESS = Operation("less", np.less, "{0} < {1}", truth=True)
+LESS_EQUAL = Operation("less_equal", np.less_equal, "{0} <= {1}", truth=True)
+GREATER = Operation("greater", np.greater, "{0} > {1}", truth=True)
+GREATER_EQUAL = Operation("greater_equal", np.greater_equal, "{0} >= {1}", truth=True)
+EQUAL = Operation("equal", np.equal, "{0} == {1}", truth=True, commutes=True)
+NOT_EQUAL = Operation("not_equal", np.not_equal, "{0} != {1}", truth=True, commutes=True)
+AND = Operation("logical_and", np.logical_and, "{0} && {1}", truth=True, commutes=True)
+OR = Operation("logical_or", np.logical_or, "{0} || {1}", truth=True, commutes=True)
+NOT = Operation("logical_not", np.logical_not, "!{0}", truth=True)
+WHERE = Operation(
+    "where",
+    lambda condition, yes, no: yes if condition else no,
+    "{0} ? {1} : {2}",
+    lambda g, _, condition, yes, no: (0.0, _choose(condition, g, 0.0), _choose(condition, 0.0, g)),
+)
+
+OPERATIONS = tuple(value for value in globals().values() if isinstance(value, Operation))
+
+C_FUNCTIONS = """\
+static inline double prp_remainder(double a, double b)
+{
+    const double rest = fmod(a, b);
+    return rest != 0.0 && (rest < 0.0) != (b < 0.0) ? rest + b : rest;
+}
+"""
+"""C functions that the texts above call and the mathematical library lacks."""
