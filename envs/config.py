@@ -91,8 +91,8 @@ class EnvConfig:
         default=MUJOCO,
         metadata=describe(
             "",
-            "what simulates the robot: `mujoco`, the reference, or `compiled`, its steps in closed form in code"
-            " compiled from the formulas",
+            "what simulates the robot: `mujoco`, the reference, or `compiled`, its steps in closed form in"
+            " code compiled from the formulas",
         ),
     )
     render_mode: str | None = field(

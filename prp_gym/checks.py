@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError, UnknownNameError
-from prp_gym.symbolic.array import SymbolicArray
+from prp_gym.symbolic.array import is_symbolic
 
 Array = NDArray[np.float64]
 KindT = TypeVar("KindT")
@@ -70,9 +70,10 @@ def as_array(what: str, value: object, unit: str = "") -> Array:
     """
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
-    if isinstance(value, SymbolicArray):
-        symbolic: Any = value  # in the place of an array, while a formula is traced
-        return symbolic
+    if is_symbolic(value):
+        symbolic: Any = value
+        traced: Array = symbolic
+        return traced
     return as_numbers(what, value, unit)
 
 
@@ -83,7 +84,7 @@ def check_finite(what: str, numbers: Array, unit: str = "", largest: float = LAR
         NonFiniteError: NaN or infinity.
         InvalidValueError: a magnitude above the largest allowed one.
     """
-    if type(numbers) is SymbolicArray:
+    if is_symbolic(numbers):
         return
     if numbers.size <= _FEW:
         if math.hypot(*(numbers.tolist() if numbers.ndim == 1 else numbers.ravel().tolist())) <= largest:

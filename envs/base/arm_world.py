@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, JointLimitError
 from prp_gym.physics.abstract_simulation import ArmSimulation, Simulation
-from prp_gym.physics.mjcf import PhysicsSettings
 from prp_gym.physics.engines import make_arm
+from prp_gym.physics.mjcf import PhysicsSettings
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.parameters import JOINT_UNITS, NOMINAL

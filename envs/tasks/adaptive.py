@@ -14,9 +14,9 @@ from prp_gym.envs.base.references import path_overlay
 from prp_gym.envs.base.scoring import LINK_SCORING
 from prp_gym.envs.config import describe
 from prp_gym.errors import InvalidValueError
+from prp_gym.physics import engines
 from prp_gym.physics.abstract_simulation import LinkSimulation, Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
-from prp_gym.physics import engines
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
 from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND, Field

@@ -1,4 +1,4 @@
-"""The arm's simulation in closed form: MuJoCo's semi-implicit Euler steps as formulas over leading dimensions.
+"""The arm's simulation in closed form: MuJoCo's semi-implicit Euler steps as formulas over leading axes.
 
 Friction, joint stops and the surface are MuJoCo's soft constraints: the acceleration a minimises
 ½ (a - a_0)ᵀ B (a - a_0) + Σ s_i(J_i a - r_i), with the acceleration a_0 = B⁻¹b without constraints, a row J_i
@@ -15,7 +15,7 @@ import numpy as np
 
 from prp_gym.physics.surface import IMPEDANCE
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, apply, dot, matrix_like, norm, solve_symmetric, zeros
+from prp_gym.robot.arrays import Array, dot, matrix_like, solve_symmetric
 
 _STOP_TIME, _STOP_DAMPING_RATIO = 0.004, 1.0  # solreflimit of the MJCF document
 _STOP_IMPEDANCE, _STOP_LARGEST, _STOP_WIDTH = 0.95, 0.99, 0.001  # solimplimit

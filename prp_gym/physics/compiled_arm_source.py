@@ -1,4 +1,4 @@
-"""The C source of the arm's simulation: functions generated from the formulas, and the loop that calls them."""
+"""The C source of the simulated arm: functions generated from the formulas, and the loop that calls them."""
 
 import copy
 from collections.abc import Callable, Mapping

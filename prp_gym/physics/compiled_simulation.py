@@ -46,7 +46,7 @@ class CompiledSimulation(Simulation):
 
     A step is that of MuJoCo's semi-implicit Euler integrator with its constraints at their exact minimum. It
     differs from MuJoCo's by rounding, 1e-9 at most, and by 1e-5 where joints have Coulomb friction, whose
-    minimum MuJoCo approaches to a tolerance. A simulation that leaves the bounds of `watch` stays where it is.
+    minimum MuJoCo approaches to a tolerance. A simulation that leaves the bounds of `watch` stays there.
 
     Args:
         source: C source of the simulation, with a function `prp_advance`.

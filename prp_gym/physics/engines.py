@@ -11,9 +11,7 @@ from prp_gym.robot.parameters import NOMINAL
 from prp_gym.tasks.setup import COMPILED
 
 
-def make_arm(
-    engine: str, settings: PhysicsSettings, num_simulations: int, num_threads: int
-) -> ArmSimulation:
+def make_arm(engine: str, settings: PhysicsSettings, num_simulations: int, num_threads: int) -> ArmSimulation:
     """Simulations of the nominal arm.
 
     Args:

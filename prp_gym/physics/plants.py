@@ -27,7 +27,7 @@ class Plants:
 
     def __init__(self, count: int) -> None:
         self.rows = np.zeros((count, PLANT_SIZE))
-        self._dynamics = np.zeros((count, 9))  # mass factors, viscous and Coulomb friction, as they were given
+        self._dynamics = np.zeros((count, 9))  # mass factors, viscous and Coulomb friction
         nominal = np.ones(3), np.array(NOMINAL.viscous_friction), np.array(NOMINAL.coulomb_friction)
         self.set(np.arange(count), *(np.tile(value, (count, 1)) for value in nominal))
 

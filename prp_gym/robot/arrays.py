@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from prp_gym.checks import Array, as_array, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
-from prp_gym.symbolic.array import SymbolicArray
+from prp_gym.symbolic.array import is_symbolic
 
 __all__ = [
     "Array",
@@ -82,8 +82,9 @@ def matrix_like(reference: Array, rows: int, columns: int) -> Array:
 
 def zeros(shape: tuple[int, ...], reference: Array) -> Array:
     """Zeros that values of the kind of `reference` can be written into: of symbolic arrays, symbolic ones."""
-    if type(reference) is SymbolicArray:
-        return reference.zeros(shape)
+    if is_symbolic(reference):
+        symbolic: Any = reference
+        return np.zeros_like(symbolic, shape=shape)
     return np.zeros(shape)
 
 
@@ -92,7 +93,7 @@ def anywhere(mask: NDArray[np.bool_]) -> bool:
 
     While a formula is traced this is not known, and no shortcut is taken.
     """
-    return type(mask) is SymbolicArray or np.count_nonzero(mask) > 0
+    return is_symbolic(mask) or bool(np.count_nonzero(mask))
 
 
 def elementwise(function: Callable[..., float], *values: Array) -> Array:
@@ -101,7 +102,7 @@ def elementwise(function: Callable[..., float], *values: Array) -> Array:
     NumPy's own `exp`, `log`, `arctan2` and powers differ in the last bit between kinds of CPU; its `sin`,
     `cos` and `sqrt` do not.
     """
-    if any(type(array) is SymbolicArray for array in values):
+    if any(map(is_symbolic, values)):
         traced: Array = _OF_ARRAYS[function](*values)
         return traced
     results = map(function, *(array.ravel().tolist() for array in values))
@@ -233,7 +234,8 @@ def _is_single(matrix: Array, vector: Array) -> bool:
     """Whether there is one matrix and one vector; its numbers are faster than arrays, with the same bits."""
     count = vector.size * matrix.size
     rows, columns = matrix.shape[-2:]
-    return _are_numbers(matrix, vector) and count == rows * columns * vector.shape[-1] and matrix.ndim == vector.ndim + 1
+    single = count == rows * columns * vector.shape[-1] and matrix.ndim == vector.ndim + 1
+    return single and _are_numbers(matrix, vector)
 
 
 def _are_numbers(left: Array, right: Array) -> bool:

@@ -1,0 +1,1 @@
+"""Formulas as expression graphs: traced from NumPy code, differentiated exactly, and compiled."""

@@ -49,7 +49,7 @@ class SymbolicArray(NDArrayOperatorsMixin):
         numbers = np.asarray(values, dtype=np.float64)
         nodes = np.empty(numbers.shape, dtype=object)
         for index in np.ndindex(numbers.shape):
-            nodes[index] = graph.constant(numbers[index])
+            nodes[index] = graph.constant(float(numbers[index]))
         return cls(graph, nodes)
 
     def zeros(self, shape: tuple[int, ...]) -> Self:
@@ -196,24 +196,29 @@ class SymbolicArray(NDArrayOperatorsMixin):
         axis = unknown[0]
         index = keys[axis]
 
-        def taken(place: int) -> Self:
-            return self[(*keys[:axis], np.full(index.shape, place), *keys[axis + 1 :])]
+        def taken(place: int) -> Any:
+            return self.nodes[(*keys[:axis], np.full(index.shape, place), *keys[axis + 1 :])]
 
-        result = taken(0)
+        result = self._like(taken(0))
         trailing = (1,) * (result.ndim - index.ndim)
         for place in range(1, self.shape[axis]):
             here = index.reshape((*index.shape, *trailing)) == float(place)
-            result = self._like(elementwise(self.graph, WHERE, here, taken(place), result))
+            result = self._like(elementwise(self.graph, WHERE, here, self._like(taken(place)), result))
         return result
 
 
 def elementwise(graph: Graph, operation: Operation, *values: Any) -> Any:
     """An operation on every element of arrays that broadcast; an array of nodes."""
-    arrays = np.broadcast_arrays(*(SymbolicArray.of(graph, value).nodes for value in values))
+    arrays: Any = np.broadcast_arrays(*(SymbolicArray.of(graph, value).nodes for value in values))
     nodes = np.empty(arrays[0].shape, dtype=object)
     for index in np.ndindex(nodes.shape):
         nodes[index] = graph.apply(operation, *(array[index] for array in arrays))
     return nodes
+
+
+def is_symbolic(value: object) -> bool:
+    """Whether a value is a symbolic array, in the place of an array while a formula is traced."""
+    return type(value) is SymbolicArray
 
 
 def _operation(ufunc: Any) -> Operation:

@@ -54,63 +54,65 @@ def _arc_tangent(g: Node, _: Node, y: Node, x: Node) -> tuple[Node, Node]:
     return g * x / square, -(g * y) / square
 
 
-ADD = Operation("add", np.add, "{0} + {1}", lambda g, _, a, b: (g, g), commutes=True)
-SUBTRACT = Operation("subtract", np.subtract, "{0} - {1}", lambda g, _, a, b: (g, -g))
-MULTIPLY = Operation("multiply", np.multiply, "{0} * {1}", lambda g, _, a, b: (g * b, g * a), commutes=True)
-DIVIDE = Operation("divide", np.divide, "{0} / {1}", lambda g, y, a, b: (g / b, -(g * y) / b))
-NEGATIVE = Operation("negative", np.negative, "-{0}", lambda g, _, a: (-g,))
-SINE = Operation("sin", np.sin, "sin({0})", lambda g, _, a: (g * _apply(COSINE, a),))
-COSINE = Operation("cos", np.cos, "cos({0})", lambda g, _, a: (-(g * _apply(SINE, a)),))
-SQUARE_ROOT = Operation(
+ADD: Operation = Operation("add", np.add, "{0} + {1}", lambda g, _, a, b: (g, g), commutes=True)
+SUBTRACT: Operation = Operation("subtract", np.subtract, "{0} - {1}", lambda g, _, a, b: (g, -g))
+MULTIPLY: Operation = Operation(
+    "multiply", np.multiply, "{0} * {1}", lambda g, _, a, b: (g * b, g * a), commutes=True
+)
+DIVIDE: Operation = Operation("divide", np.divide, "{0} / {1}", lambda g, y, a, b: (g / b, -(g * y) / b))
+NEGATIVE: Operation = Operation("negative", np.negative, "-{0}", lambda g, _, a: (-g,))
+SINE: Operation = Operation("sin", np.sin, "sin({0})", lambda g, _, a: (g * _apply(COSINE, a),))
+COSINE: Operation = Operation("cos", np.cos, "cos({0})", lambda g, _, a: (-(g * _apply(SINE, a)),))
+SQUARE_ROOT: Operation = Operation(
     "sqrt",
     np.sqrt,
     "sqrt({0})",
     # at zero, where a length has no derivative, zero stands between those of its two sides
     lambda g, y, a: (_choose(_apply(GREATER, y, 0.0), g / (y + y), 0.0),),
 )
-EXPONENTIAL = Operation("exp", np.exp, "exp({0})", lambda g, y, a: (g * y,))
-LOGARITHM = Operation("log", np.log, "log({0})", lambda g, _, a: (g / a,))
-ARC_TANGENT = Operation("arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent)
-ABSOLUTE = Operation("absolute", np.absolute, "fabs({0})", lambda g, _, a: (g * _apply(SIGN, a),))
-COPY_SIGN = Operation(
+EXPONENTIAL: Operation = Operation("exp", np.exp, "exp({0})", lambda g, y, a: (g * y,))
+LOGARITHM: Operation = Operation("log", np.log, "log({0})", lambda g, _, a: (g / a,))
+ARC_TANGENT: Operation = Operation("arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent)
+ABSOLUTE: Operation = Operation("absolute", np.absolute, "fabs({0})", lambda g, _, a: (g * _apply(SIGN, a),))
+COPY_SIGN: Operation = Operation(
     "copysign",
     np.copysign,
     "copysign({0}, {1})",
     lambda g, _, a, b: (g * _apply(SIGN, a) * _apply(SIGN, b), 0.0),
 )
-SIGN = Operation("sign", np.sign, "(double)(({0} > 0.0) - ({0} < 0.0))")
-FLOOR = Operation("floor", np.floor, "floor({0})")
-ROUND = Operation("rint", np.rint, "rint({0})")
-REMAINDER = Operation(
+SIGN: Operation = Operation("sign", np.sign, "(double)(({0} > 0.0) - ({0} < 0.0))")
+FLOOR: Operation = Operation("floor", np.floor, "floor({0})")
+ROUND: Operation = Operation("rint", np.rint, "rint({0})")
+REMAINDER: Operation = Operation(
     "remainder",
     np.remainder,
     "prp_remainder({0}, {1})",
     lambda g, _, a, b: (g, -(g * _apply(FLOOR, a / b))),
 )
-MINIMUM = Operation(
+MINIMUM: Operation = Operation(
     "minimum",
     np.minimum,
     "({0} < {1} ? {0} : {1})",
     lambda g, _, a, b: (_choose(_apply(LESS, a, b), g, 0.0), _choose(_apply(LESS, a, b), 0.0, g)),
     commutes=True,
 )
-MAXIMUM = Operation(
+MAXIMUM: Operation = Operation(
     "maximum",
     np.maximum,
     "({0} > {1} ? {0} : {1})",
     lambda g, _, a, b: (_choose(_apply(GREATER, a, b), g, 0.0), _choose(_apply(GREATER, a, b), 0.0, g)),
     commutes=True,
 )
-LESS = Operation("less", np.less, "{0} < {1}", truth=True)
-LESS_EQUAL = Operation("less_equal", np.less_equal, "{0} <= {1}", truth=True)
-GREATER = Operation("greater", np.greater, "{0} > {1}", truth=True)
-GREATER_EQUAL = Operation("greater_equal", np.greater_equal, "{0} >= {1}", truth=True)
-EQUAL = Operation("equal", np.equal, "{0} == {1}", truth=True, commutes=True)
-NOT_EQUAL = Operation("not_equal", np.not_equal, "{0} != {1}", truth=True, commutes=True)
-AND = Operation("logical_and", np.logical_and, "{0} && {1}", truth=True, commutes=True)
-OR = Operation("logical_or", np.logical_or, "{0} || {1}", truth=True, commutes=True)
-NOT = Operation("logical_not", np.logical_not, "!{0}", truth=True)
-WHERE = Operation(
+LESS: Operation = Operation("less", np.less, "{0} < {1}", truth=True)
+LESS_EQUAL: Operation = Operation("less_equal", np.less_equal, "{0} <= {1}", truth=True)
+GREATER: Operation = Operation("greater", np.greater, "{0} > {1}", truth=True)
+GREATER_EQUAL: Operation = Operation("greater_equal", np.greater_equal, "{0} >= {1}", truth=True)
+EQUAL: Operation = Operation("equal", np.equal, "{0} == {1}", truth=True, commutes=True)
+NOT_EQUAL: Operation = Operation("not_equal", np.not_equal, "{0} != {1}", truth=True, commutes=True)
+AND: Operation = Operation("logical_and", np.logical_and, "{0} && {1}", truth=True, commutes=True)
+OR: Operation = Operation("logical_or", np.logical_or, "{0} || {1}", truth=True, commutes=True)
+NOT: Operation = Operation("logical_not", np.logical_not, "!{0}", truth=True)
+WHERE: Operation = Operation(
     "where",
     lambda condition, yes, no: yes if condition else no,
     "{0} ? {1} : {2}",

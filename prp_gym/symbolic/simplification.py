@@ -94,7 +94,7 @@ def _choice(condition: Node, yes: Node, no: Node) -> Node | None:
     return yes if yes is no else None
 
 
-_RULES: dict[Operation, Callable[..., "Node | float | None"]] = {
+_RULES: dict[Operation, Callable[..., Node | float | None]] = {
     ADD: _sum,
     SUBTRACT: _difference,
     MULTIPLY: _product,

@@ -48,7 +48,7 @@ def test_every_episode_of_every_environment_has_its_own_world_without_a_new_buil
     env.reset(seed=3)
     for index, own in enumerate(alone):
         own.reset(seed=3 + index)
-    batch = env.physics._batch
+    batch = env.physics.batch
     monkeypatch.setattr(type(env.physics), "_build", None)  # nothing is built from here on
     seen = []
     for episode in range(3):
@@ -62,7 +62,7 @@ def test_every_episode_of_every_environment_has_its_own_world_without_a_new_buil
         seen += worlds(env, names)
         for action in actions_for(env, 7 if mode == "NextStep" else 6):
             env.step(action)
-    assert env.physics._batch is batch
+    assert env.physics.batch is batch
     if names:
         assert len(set(seen)) == 3 * N
 
