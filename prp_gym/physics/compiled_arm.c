@@ -2,7 +2,7 @@
 
 #define PRP_PLANT 16   /* components of a plant */
 #define PRP_SURFACE 11 /* components of a surface */
-#define PRP_COULOMB 13 /* place of the Coulomb friction in a plant */
+#define PRP_COULOMB 13 /* column of the Coulomb friction in a plant */
 
 /* The forces of the constraints in the joints, and of the surface; `b` becomes b + Σ Jᵀf. */
 static inline void prp_constrain(

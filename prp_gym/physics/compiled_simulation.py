@@ -21,7 +21,7 @@ _LEAST_ROWS = 64  # simulations for each thread, below which starting it takes l
 _LARGEST = 1e10  # bound of positions and velocities, beyond which MuJoCo, too, gives up
 
 
-class World(ctypes.Structure):
+class CompiledWorld(ctypes.Structure):
     """`prp_world` of the C code: what a world has.
 
     Attributes:
@@ -77,7 +77,7 @@ class CompiledSimulation(Simulation):
         self._within_limits = True
         self._threads: ThreadPoolExecutor | None = None
         self._process = os.getpid()
-        self._world = World()
+        self._world = CompiledWorld()
         self.watch(np.full(2 * self.joint_count, np.inf))
 
     def _begin(self, plants: Array, surfaces: Array) -> None:

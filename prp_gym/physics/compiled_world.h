@@ -1,4 +1,4 @@
-/* What a world has; see `World` of compiled_simulation.py. */
+/* What a world has; see `CompiledWorld` of compiled_simulation.py. */
 typedef struct {
     int stops, friction, surface, substeps;
     double bound[6];

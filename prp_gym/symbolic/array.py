@@ -1,4 +1,4 @@
-"""`SymbolicArray`: an array of expressions that NumPy's functions accept in place of numbers."""
+"""`SymbolicArray`: an array of expressions that NumPy's functions accept in position of numbers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _OF_UFUNC |= {np.bitwise_and: AND, np.bitwise_or: OR, np.invert: _OF_UFUNC[np.lo
 
 
 class SymbolicArray(NDArrayOperatorsMixin):
-    """Expressions in the place of an array's numbers.
+    """Expressions in the position of an array's numbers.
 
     A formula that is written for arrays, with NumPy's functions, indices and assignments, runs on symbolic
     arrays as it is; the expressions of its result are the formula, unrolled over the components. What depends
@@ -37,8 +37,8 @@ class SymbolicArray(NDArrayOperatorsMixin):
     def inputs(cls, graph: Graph, name: str, shape: tuple[int, ...]) -> Self:
         """An array of inputs `name[0]`, `name[1]`, ... in the order of the flat array."""
         nodes = np.empty(shape, dtype=object)
-        for place, index in enumerate(np.ndindex(shape)):
-            nodes[index] = graph.input(f"{name}[{place}]")
+        for position, index in enumerate(np.ndindex(shape)):
+            nodes[index] = graph.input(f"{name}[{position}]")
         return cls(graph, nodes)
 
     @classmethod
@@ -103,8 +103,8 @@ class SymbolicArray(NDArrayOperatorsMixin):
         return self._like(self.numbers()._reduced(_OF_UFUNC[np.add], axis, keepdims))
 
     def numbers(self) -> Self:
-        """The same with 1 and 0 in place of truth values."""
-        return self.map(lambda node: self.graph.apply(WHERE, node, 1.0, 0.0) if node.is_truth else node)
+        """The same with 1 and 0 in position of truth values."""
+        return self.map(lambda node: self.graph.apply(WHERE, node, 1.0, 0.0) if node.is_boolean else node)
 
     def map(self, function: Any) -> Self:
         """A function of every node."""
@@ -196,14 +196,14 @@ class SymbolicArray(NDArrayOperatorsMixin):
         axis = unknown[0]
         index = keys[axis]
 
-        def taken(place: int) -> Any:
-            return self.nodes[(*keys[:axis], np.full(index.shape, place), *keys[axis + 1 :])]
+        def taken(position: int) -> Any:
+            return self.nodes[(*keys[:axis], np.full(index.shape, position), *keys[axis + 1 :])]
 
         result = self._like(taken(0))
         trailing = (1,) * (result.ndim - index.ndim)
-        for place in range(1, self.shape[axis]):
-            here = index.reshape((*index.shape, *trailing)) == float(place)
-            result = self._like(elementwise(self.graph, WHERE, here, self._like(taken(place)), result))
+        for position in range(1, self.shape[axis]):
+            here = index.reshape((*index.shape, *trailing)) == float(position)
+            result = self._like(elementwise(self.graph, WHERE, here, self._like(taken(position)), result))
         return result
 
 
@@ -217,7 +217,7 @@ def elementwise(graph: Graph, operation: Operation, *values: Any) -> Any:
 
 
 def is_symbolic(value: object) -> bool:
-    """Whether a value is a symbolic array, in the place of an array while a formula is traced."""
+    """Whether a value is a symbolic array, in the position of an array while a formula is traced."""
     return type(value) is SymbolicArray
 
 

@@ -38,12 +38,12 @@ def _statements(function: SymbolicFunction) -> Iterable[str]:
             names[node] = _literal(node.value)
         else:
             names[node] = f"t{node.index}"
-            kind = "int" if node.is_truth else "double"
+            kind = "int" if node.is_boolean else "double"
             text = node.operation.text.format(*(names[argument] for argument in node.arguments))
             yield f"    const {kind} {names[node]} = {text};\n"
     for name, array in function.outputs.items():
-        for place, node in enumerate(array.flat()):
-            yield f"    {name}[{place}] = {names[node]};\n"
+        for position, node in enumerate(array.flat()):
+            yield f"    {name}[{position}] = {names[node]};\n"
 
 
 def _literal(value: float) -> str:

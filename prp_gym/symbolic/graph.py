@@ -54,9 +54,9 @@ class Node:
         return bool(self.name)
 
     @property
-    def is_truth(self) -> bool:
+    def is_boolean(self) -> bool:
         """Whether this is a truth value, 0 or 1."""
-        return self.operation is not None and self.operation.truth
+        return self.operation is not None and self.operation.boolean
 
     def __add__(self, other: Node | float) -> Node:
         return self.graph.apply(ADD, self, other)

@@ -24,7 +24,7 @@ class Operation:
         ufunc: function of NumPy with the same result, bit for bit.
         text: C expression, with `{0}`, `{1}`, ... for the arguments.
         adjoint: derivatives; None for an operation whose derivative is zero wherever it exists.
-        truth: whether the result is a truth value.
+        boolean: whether the result is a truth value.
         commutes: whether the order of the two arguments is irrelevant.
     """
 
@@ -32,7 +32,7 @@ class Operation:
     ufunc: np.ufunc | Callable[..., Any]
     text: str
     adjoint: Adjoint | None = None
-    truth: bool = False
+    boolean: bool = False
     commutes: bool = False
 
     def evaluate(self, *values: float) -> float:
@@ -103,15 +103,15 @@ MAXIMUM: Operation = Operation(
     lambda g, _, a, b: (_choose(_apply(GREATER, a, b), g, 0.0), _choose(_apply(GREATER, a, b), 0.0, g)),
     commutes=True,
 )
-LESS: Operation = Operation("less", np.less, "{0} < {1}", truth=True)
-LESS_EQUAL: Operation = Operation("less_equal", np.less_equal, "{0} <= {1}", truth=True)
-GREATER: Operation = Operation("greater", np.greater, "{0} > {1}", truth=True)
-GREATER_EQUAL: Operation = Operation("greater_equal", np.greater_equal, "{0} >= {1}", truth=True)
-EQUAL: Operation = Operation("equal", np.equal, "{0} == {1}", truth=True, commutes=True)
-NOT_EQUAL: Operation = Operation("not_equal", np.not_equal, "{0} != {1}", truth=True, commutes=True)
-AND: Operation = Operation("logical_and", np.logical_and, "{0} && {1}", truth=True, commutes=True)
-OR: Operation = Operation("logical_or", np.logical_or, "{0} || {1}", truth=True, commutes=True)
-NOT: Operation = Operation("logical_not", np.logical_not, "!{0}", truth=True)
+LESS: Operation = Operation("less", np.less, "{0} < {1}", boolean=True)
+LESS_EQUAL: Operation = Operation("less_equal", np.less_equal, "{0} <= {1}", boolean=True)
+GREATER: Operation = Operation("greater", np.greater, "{0} > {1}", boolean=True)
+GREATER_EQUAL: Operation = Operation("greater_equal", np.greater_equal, "{0} >= {1}", boolean=True)
+EQUAL: Operation = Operation("equal", np.equal, "{0} == {1}", boolean=True, commutes=True)
+NOT_EQUAL: Operation = Operation("not_equal", np.not_equal, "{0} != {1}", boolean=True, commutes=True)
+AND: Operation = Operation("logical_and", np.logical_and, "{0} && {1}", boolean=True, commutes=True)
+OR: Operation = Operation("logical_or", np.logical_or, "{0} || {1}", boolean=True, commutes=True)
+NOT: Operation = Operation("logical_not", np.logical_not, "!{0}", boolean=True)
 WHERE: Operation = Operation(
     "where",
     lambda condition, yes, no: yes if condition else no,

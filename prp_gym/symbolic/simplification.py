@@ -71,21 +71,21 @@ def _negative(a: Node) -> Node | None:
 
 
 def _both(a: Node, b: Node) -> Node | float | None:
-    for truth, other in ((a, b), (b, a)):
-        if truth.is_constant:
-            return other if truth.value else 0.0
+    for known, other in ((a, b), (b, a)):
+        if known.is_constant:
+            return other if known.value else 0.0
     return a if a is b else None
 
 
 def _either(a: Node, b: Node) -> Node | float | None:
-    for truth, other in ((a, b), (b, a)):
-        if truth.is_constant:
-            return 1.0 if truth.value else other
+    for known, other in ((a, b), (b, a)):
+        if known.is_constant:
+            return 1.0 if known.value else other
     return a if a is b else None
 
 
 def _opposite(a: Node) -> Node | None:
-    return a.arguments[0] if a.operation is NOT and a.arguments[0].is_truth else None
+    return a.arguments[0] if a.operation is NOT and a.arguments[0].is_boolean else None
 
 
 def _choice(condition: Node, yes: Node, no: Node) -> Node | None:

@@ -20,7 +20,18 @@ PACKAGES = {
 """Folder in the repository, and the name under which it is imported."""
 
 CORE_PACKAGES = (
-    *("errors", "nearest", "extras", "checks", "registry", "artifacts", "files", "plugins", "processes"),
+    *(
+        "errors",
+        "nearest",
+        "extras",
+        "symbolic",
+        "checks",
+        "registry",
+        "artifacts",
+        "files",
+        "plugins",
+        "processes",
+    ),
     *("robot", "palette", "drawing", "physics", "tasks", "tables", "figures", "evaluation"),
 )
 """They import each other alone."""

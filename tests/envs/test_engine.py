@@ -21,9 +21,9 @@ pytestmark = needs_compiler
 
 COUNT = 3
 SMOOTH, SOLVER = 1e-9, 1e-5
-"""Largest difference of a number after a control period from the same state, relative to 1 + |number|: rounding
-where the surface is the only constraint; where there are several, joint stops or Coulomb friction, the tolerance
-at which MuJoCo's solver stops."""
+"""Largest difference of a number after a control period from the same state, relative to 1 + |number|:
+rounding where the surface is the only constraint; where there are several, joint stops or Coulomb friction,
+the tolerance at which MuJoCo's solver stops."""
 
 
 def made(environment_id: str, **keywords: Any) -> PRPVectorEnv:

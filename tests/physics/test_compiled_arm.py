@@ -42,18 +42,18 @@ def both(stops: bool, surface: bool, coulomb: bool, seed: int = 1) -> tuple[Phys
     """The same random arms in MuJoCo and in closed form."""
     rng = np.random.default_rng(seed)
     settings = PhysicsSettings(0.001, stops, surface)
-    pair = Physics(settings=settings, num_simulations=COUNT), CompiledArm(settings, COUNT)
+    engines = Physics(settings=settings, num_simulations=COUNT), CompiledArm(settings, COUNT)
     q = rng.uniform([-2.0, -0.3, -3.0], [2.0, 0.0, 3.0], (COUNT, 3))
     velocity = rng.normal(size=(COUNT, 3))
     dynamics = rng.uniform(0.7, 1.4, (COUNT, 3)), rng.uniform(0.0, 0.5, (COUNT, 3))
     friction = rng.uniform(0.05, 0.5, (COUNT, 3)) * coulomb
     planes = random_surface(rng, q)
-    for physics in pair:
+    for physics in engines:
         physics.set_dynamics(IDS, *dynamics, friction)
         if surface:
             physics.set_surface(IDS, planes)
         physics.reset(IDS, q, velocity)
-    return pair
+    return engines
 
 
 def difference(left: Array, right: Array) -> float:
