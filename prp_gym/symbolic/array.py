@@ -1,4 +1,4 @@
-"""`SymbolicArray`: an array of expressions that NumPy's functions accept in position of numbers."""
+"""`SymbolicArray`: an array of expressions that NumPy's functions accept in place of numbers."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from prp_gym.errors import DataDependentBranchError, UntraceableError
 from prp_gym.symbolic.graph import Graph, Node
-from prp_gym.symbolic.operations import AND, OPERATIONS, OR, WHERE, Operation
+from prp_gym.symbolic.operations import AND, NOT_EQUAL, OPERATIONS, OR, WHERE, Operation
 
 _OF_UFUNC = {operation.ufunc: operation for operation in OPERATIONS}
 _OF_UFUNC |= {np.bitwise_and: AND, np.bitwise_or: OR, np.invert: _OF_UFUNC[np.logical_not]}
 
 
+_OPTIONS = {True: {"axis", "keepdims", "out"}, False: {"out", "where"}}
+"""Options of a reduction and of a call that have a meaning for expressions."""
+
+
 class SymbolicArray(NDArrayOperatorsMixin):
-    """Expressions in the position of an array's numbers.
+    """Expressions in the place of an array's numbers.
 
     A formula that is written for arrays, with NumPy's functions, indices and assignments, runs on symbolic
     arrays as it is; the expressions of its result are the formula, unrolled over the components. What depends
@@ -88,11 +92,11 @@ class SymbolicArray(NDArrayOperatorsMixin):
 
     def any(self, axis: int | None = None, keepdims: bool = False) -> Self:
         """As that of an array."""
-        return self._like(self._reduced(OR, axis, keepdims))
+        return self._like(self._booleans()._reduced(OR, axis, keepdims))
 
     def all(self, axis: int | None = None, keepdims: bool = False) -> Self:
         """As that of an array."""
-        return self._like(self._reduced(AND, axis, keepdims))
+        return self._like(self._booleans()._reduced(AND, axis, keepdims))
 
     def max(self, axis: int | None = None, keepdims: bool = False) -> Self:
         """As that of an array."""
@@ -103,7 +107,7 @@ class SymbolicArray(NDArrayOperatorsMixin):
         return self._like(self.numbers()._reduced(_OF_UFUNC[np.add], axis, keepdims))
 
     def numbers(self) -> Self:
-        """The same with 1 and 0 in position of truth values."""
+        """The same with 1 and 0 in place of truth values."""
         return self.map(lambda node: self.graph.apply(WHERE, node, 1.0, 0.0) if node.is_boolean else node)
 
     def map(self, function: Any) -> Self:
@@ -134,7 +138,8 @@ class SymbolicArray(NDArrayOperatorsMixin):
         return self._like(taken)
 
     def __setitem__(self, key: Any, value: Any) -> None:
-        self.nodes[key] = type(self).of(self.graph, value).nodes
+        nodes = type(self).of(self.graph, value).nodes
+        self.nodes[key] = nodes if nodes.ndim else nodes[()]  # NumPy would store an array of no dimension
 
     def __bool__(self) -> bool:
         if self.size == 1 and (node := self.flat()[0]).is_constant:
@@ -148,16 +153,27 @@ class SymbolicArray(NDArrayOperatorsMixin):
         return f"SymbolicArray({self.nodes.tolist()!r})"
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
+        if set(options) - _OPTIONS[method == "reduce"]:
+            raise UntraceableError(f"numpy.{ufunc.__name__} with {', '.join(sorted(options))}")
         if method == "reduce":
             reduced = self._reduced(_operation(ufunc), options.get("axis", 0), options.get("keepdims", False))
             return self._result(reduced, options)
         if method != "__call__":
             raise UntraceableError(f"numpy.{ufunc.__name__}.{method}")
-        if ufunc is np.square or (ufunc is np.power and np.array_equal(inputs[1], 2)):
+        if ufunc is np.square or (ufunc is np.power and _is_two(inputs[1])):
             ufunc, inputs = np.multiply, (inputs[0], inputs[0])
-        nodes = elementwise(self.graph, _operation(ufunc), *inputs)
-        if "where" in options:
-            nodes = elementwise(self.graph, WHERE, options["where"], self._like(nodes), options["out"][0])
+        if ufunc is np.add and all(map(_are_booleans, inputs)):
+            ufunc = np.logical_or  # as NumPy adds truth values
+        if ufunc is np.invert and not all(map(_are_booleans, inputs)):
+            raise UntraceableError("numpy.invert of numbers")
+        if "where" not in options:
+            return self._result(elementwise(self.graph, _operation(ufunc), *inputs), options)
+        if "out" not in options:
+            raise UntraceableError(f"numpy.{ufunc.__name__} with where and without out")
+        # what is left out must not even have an infinite derivative: there, the last argument is 1
+        last = self._like(elementwise(self.graph, WHERE, options["where"], inputs[-1], 1.0))
+        nodes = elementwise(self.graph, _operation(ufunc), *inputs[:-1], last)
+        nodes = elementwise(self.graph, WHERE, options["where"], self._like(nodes), options["out"][0])
         return self._result(nodes, options)
 
     def __array_function__(self, function: Any, _: Any, arguments: Any, options: Any) -> Any:
@@ -182,11 +198,18 @@ class SymbolicArray(NDArrayOperatorsMixin):
 
     def _reduced(self, operation: Operation, axis: Any, keepdims: bool) -> Any:
         """The operation over an axis, in the order of its components; over all of them for None."""
+        if axis is not None and not isinstance(axis, int):
+            raise UntraceableError("a reduction over several axes")
         nodes = self.nodes.ravel() if axis is None else np.moveaxis(self.nodes, axis, 0)
         result = np.asarray(nodes[0], dtype=object)
         for row in nodes[1:]:
             result = elementwise(self.graph, operation, self._like(result), self._like(np.asarray(row)))
-        return np.expand_dims(result, axis) if keepdims else result
+        axes = tuple(range(self.ndim)) if axis is None else axis
+        return np.expand_dims(result, axes) if keepdims else result
+
+    def _booleans(self) -> Self:
+        """Whether the elements differ from zero."""
+        return self.map(lambda node: node if node.is_boolean else self.graph.apply(NOT_EQUAL, node, 0.0))
 
     def _chosen(self, keys: tuple[Any, ...]) -> Self:
         """The elements at indices of which some are unknown, one for each axis from the first on."""
@@ -194,17 +217,35 @@ class SymbolicArray(NDArrayOperatorsMixin):
         if len(unknown) != 1:
             raise UntraceableError("an index with several unknown numbers")
         axis = unknown[0]
-        index = keys[axis]
+        index, before, count = keys[axis], keys[:axis], self.shape[axis]
+        if any(node.is_boolean for node in index.flat()):
+            raise UntraceableError("a choice of elements by truth values; write numpy.where: such a choice")
+        if any(part is None or part is Ellipsis or isinstance(part, slice) for part in before):
+            raise UntraceableError("an unknown index after a slice")
+        shape = np.broadcast_shapes(index.shape, *(np.shape(part) for part in before))
+        index = self._like(np.broadcast_to(index.nodes, shape))
 
         def taken(position: int) -> Any:
             return self.nodes[(*keys[:axis], np.full(index.shape, position), *keys[axis + 1 :])]
 
         result = self._like(taken(0))
         trailing = (1,) * (result.ndim - index.ndim)
-        for position in range(1, self.shape[axis]):
-            here = index.reshape((*index.shape, *trailing)) == float(position)
+        wide: Any = index.reshape((*index.shape, *trailing))
+        for position in range(1, count):
+            here = (wide == float(position)) | (wide == float(position - count))
             result = self._like(elementwise(self.graph, WHERE, here, self._like(taken(position)), result))
         return result
+
+
+def _is_two(exponent: Any) -> bool:
+    return not isinstance(exponent, SymbolicArray) and np.array_equal(exponent, 2)
+
+
+def _are_booleans(values: Any) -> bool:
+    """Whether an argument is an array of truth values."""
+    if isinstance(values, SymbolicArray):
+        return all(node.is_boolean or node.is_constant for node in values.flat())
+    return np.asarray(values).dtype == np.bool_
 
 
 def elementwise(graph: Graph, operation: Operation, *values: Any) -> Any:
@@ -217,7 +258,7 @@ def elementwise(graph: Graph, operation: Operation, *values: Any) -> Any:
 
 
 def is_symbolic(value: object) -> bool:
-    """Whether a value is a symbolic array, in the position of an array while a formula is traced."""
+    """Whether a value is a symbolic array, in the place of an array while a formula is traced."""
     return type(value) is SymbolicArray
 
 

@@ -29,8 +29,11 @@ def _rearranged(rearrange: Callable[..., Any]) -> Callable[..., SymbolicArray]:
 
 
 def _clip(graph: Graph, values: Any, low: Any, high: Any) -> SymbolicArray:
-    raised = SymbolicArray(graph, elementwise(graph, MAXIMUM, values, low))
-    return SymbolicArray(graph, elementwise(graph, MINIMUM, raised, high))
+    clipped = SymbolicArray.of(graph, values)
+    for operation, bound in ((MAXIMUM, low), (MINIMUM, high)):
+        if bound is not None:
+            clipped = SymbolicArray(graph, elementwise(graph, operation, clipped, bound))
+    return clipped
 
 
 def _where(graph: Graph, condition: Any, yes: Any, no: Any) -> SymbolicArray:

@@ -1,9 +1,12 @@
 """Compiling generated C code into a shared library, once for each text and compiler."""
 
+import contextlib
 import ctypes
 import hashlib
 import importlib.util
 import os
+import platform
+import shlex
 import shutil
 import subprocess
 import sys
@@ -26,10 +29,11 @@ def find_compiler() -> tuple[str, ...]:
     Raises:
         CompilerError: no compiler was found.
     """
-    for name in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
+    for command in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
+        name, *arguments = shlex.split(command) or [""]
         found = shutil.which(name) if name else None
         if found:
-            return (found,)
+            return (found, *arguments)
     if importlib.util.find_spec("ziglang") is not None:
         return sys.executable, "-m", "ziglang", "cc"
     raise CompilerError("none was found: install gcc or clang, or: pip install ziglang")
@@ -40,8 +44,10 @@ def cache_folder() -> Path:
     given = os.environ.get("PRP_GYM_CACHE")
     if given:
         return Path(given)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "prp_gym"
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    if not os.path.isabs(base):  # a user without a home folder, in some containers
+        base = tempfile.gettempdir()
+    return Path(base) / "prp_gym"
 
 
 @cache
@@ -52,29 +58,37 @@ def load_library(source: str) -> ctypes.CDLL:
         CompilerError: no compiler, or one that refuses the source.
     """
     command = find_compiler()
-    key = hashlib.sha256("\0".join((*command, *FLAGS, sys.platform, source)).encode()).hexdigest()[:32]
+    machine = sys.platform, platform.machine()
+    key = hashlib.sha256("\0".join((*command, *FLAGS, *machine, source)).encode()).hexdigest()[:32]
     path = cache_folder() / f"{key}.so"
-    if not path.is_file():
-        path = _compile(command, source, path)
-    return ctypes.CDLL(str(path))
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError:  # not there, damaged, or in a folder whose files may not be run
+        return _compile(command, source, path)
 
 
-def _compile(command: tuple[str, ...], source: str, path: Path) -> Path:
-    """Compile into a file that appears when it is complete, of the cache or a temporary one."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        folder = Path(tempfile.mkdtemp(dir=path.parent))
-    except OSError:  # a read-only home
-        folder = Path(tempfile.mkdtemp(prefix="prp_gym-"))
-        path = folder.parent / f"{folder.name}.so"
-    try:
-        text, built = folder / "generated.c", folder / "built.so"
+def _compile(command: tuple[str, ...], source: str, path: Path) -> ctypes.CDLL:
+    """Compile, load, and put the library into the cache where there is one."""
+    with tempfile.TemporaryDirectory(prefix="prp_gym-", ignore_cleanup_errors=True) as folder:
+        text, built = Path(folder) / "generated.c", Path(folder) / "built.so"
         text.write_text(source, encoding="utf-8")
         _run([*command, *FLAGS, "-o", str(built), str(text), "-lm"])
-        os.replace(built, path)
+        library = ctypes.CDLL(str(built))
+        with contextlib.suppress(OSError):  # a cache that cannot be used
+            _keep(built, path)
+    return library
+
+
+def _keep(built: Path, path: Path) -> None:
+    """Copy a library into the cache, where it appears when it is complete."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, unfinished = tempfile.mkstemp(dir=path.parent)
+    os.close(descriptor)
+    try:
+        shutil.copyfile(built, unfinished)
+        os.replace(unfinished, path)
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
-    return path
+        Path(unfinished).unlink(missing_ok=True)
 
 
 def _run(command: list[str]) -> None:

@@ -67,7 +67,7 @@ def trace(
     """
     graph = Graph()
     inputs = {each: SymbolicArray.inputs(graph, each, shape) for each, shape in shapes.items()}
-    results = formula(**inputs)
+    results = formula(**{each: array.copy() for each, array in inputs.items()})  # which it may overwrite
     return SymbolicFunction(
         name, inputs, {each: SymbolicArray.of(graph, value) for each, value in results.items()}
     )

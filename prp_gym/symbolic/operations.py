@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ class Operation:
         text: C expression, with `{0}`, `{1}`, ... for the arguments.
         adjoint: derivatives; None for an operation whose derivative is zero wherever it exists.
         boolean: whether the result is a truth value.
+        scalar: function of `math` where NumPy's last bit depends on the kind of CPU; None elsewhere.
         commutes: whether the order of the two arguments is irrelevant.
     """
 
@@ -33,10 +35,16 @@ class Operation:
     text: str
     adjoint: Adjoint | None = None
     boolean: bool = False
+    scalar: Callable[..., float] | None = None
     commutes: bool = False
 
     def evaluate(self, *values: float) -> float:
         """The result of numbers."""
+        if self.scalar is not None:
+            try:
+                return self.scalar(*values)
+            except (ValueError, OverflowError):
+                pass  # NaN or infinity, of which every library has the same
         with np.errstate(all="ignore"):
             return float(self.ufunc(*values))
 
@@ -59,7 +67,9 @@ SUBTRACT: Operation = Operation("subtract", np.subtract, "{0} - {1}", lambda g, 
 MULTIPLY: Operation = Operation(
     "multiply", np.multiply, "{0} * {1}", lambda g, _, a, b: (g * b, g * a), commutes=True
 )
-DIVIDE: Operation = Operation("divide", np.divide, "{0} / {1}", lambda g, y, a, b: (g / b, -(g * y) / b))
+DIVIDE: Operation = Operation(
+    "divide", np.divide, "(double){0} / {1}", lambda g, y, a, b: (g / b, -(g * y) / b)
+)
 NEGATIVE: Operation = Operation("negative", np.negative, "-{0}", lambda g, _, a: (-g,))
 SINE: Operation = Operation("sin", np.sin, "sin({0})", lambda g, _, a: (g * _apply(COSINE, a),))
 COSINE: Operation = Operation("cos", np.cos, "cos({0})", lambda g, _, a: (-(g * _apply(SINE, a)),))
@@ -70,9 +80,9 @@ SQUARE_ROOT: Operation = Operation(
     # at zero, where a length has no derivative, zero stands between those of its two sides
     lambda g, y, a: (_choose(_apply(GREATER, y, 0.0), g / (y + y), 0.0),),
 )
-EXPONENTIAL: Operation = Operation("exp", np.exp, "exp({0})", lambda g, y, a: (g * y,))
-LOGARITHM: Operation = Operation("log", np.log, "log({0})", lambda g, _, a: (g / a,))
-ARC_TANGENT: Operation = Operation("arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent)
+EXPONENTIAL: Operation = Operation("exp", np.exp, "exp({0})", lambda g, y, a: (g * y,), scalar=math.exp)
+LOGARITHM: Operation = Operation("log", np.log, "log({0})", lambda g, _, a: (g / a,), scalar=math.log)
+ARC_TANGENT: Operation = Operation("arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent, scalar=math.atan2)
 ABSOLUTE: Operation = Operation("absolute", np.absolute, "fabs({0})", lambda g, _, a: (g * _apply(SIGN, a),))
 COPY_SIGN: Operation = Operation(
     "copysign",

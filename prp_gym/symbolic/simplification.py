@@ -12,6 +12,7 @@ from prp_gym.symbolic.operations import (
     MULTIPLY,
     NEGATIVE,
     NOT,
+    NOT_EQUAL,
     OR,
     SUBTRACT,
     WHERE,
@@ -70,18 +71,23 @@ def _negative(a: Node) -> Node | None:
     return a.arguments[0] if a.operation is NEGATIVE else None
 
 
+def _boolean(a: Node) -> Node:
+    """Whether a number differs from zero."""
+    return a if a.is_boolean else a.graph.apply(NOT_EQUAL, a, 0.0)
+
+
 def _both(a: Node, b: Node) -> Node | float | None:
     for known, other in ((a, b), (b, a)):
         if known.is_constant:
-            return other if known.value else 0.0
-    return a if a is b else None
+            return _boolean(other) if known.value else 0.0
+    return _boolean(a) if a is b else None
 
 
 def _either(a: Node, b: Node) -> Node | float | None:
     for known, other in ((a, b), (b, a)):
         if known.is_constant:
-            return 1.0 if known.value else other
-    return a if a is b else None
+            return 1.0 if known.value else _boolean(other)
+    return _boolean(a) if a is b else None
 
 
 def _opposite(a: Node) -> Node | None:
