@@ -22,7 +22,6 @@ from tests.support.synthetic_agents import layout_of
 
 GROUPS = read_groups()
 CHEAP = "PRP-Adaptive-v0"  # a single link: a hundred episodes take about a second
-_FORMER = 1  # revision of the tasks on which the shipped agents were trained
 
 
 @cache
@@ -121,7 +120,7 @@ def test_every_training_seed_was_trained_as_the_recipe_says(name: str) -> None:
         card, recipe = load_agent(agent).card, recipes()[name]
         assert to_plain(card.run.hyperparameters) == to_plain(recipe.to_plain())
         assert card.interface.keywords == recipe.env_kwargs
-        assert card.interface.environment_revision in (_FORMER, environment_revision(card.environment_id))
+        assert card.interface.environment_revision == environment_revision(card.environment_id)
         assert (card.environment_id, card.action_mode) == (recipe.environment_id, recipe.action_mode)
         assert (card.seed, card.control_frequency) == (number, recipe.env_kwargs["control_frequency"])
         # PPO ends with whole rollouts, so that a training may be longer than asked for
@@ -159,8 +158,6 @@ def test_agent_acts_on_its_environment(name: str) -> None:
 @pytest.mark.parametrize("name", list_agents(CHEAP))
 def test_score_on_the_card_is_found_again(name: str) -> None:
     policy = load_agent(name)
-    if policy.card.interface.environment_revision == _FORMER:
-        pytest.skip("the card's scores are those of revision 1 of the task")
     score = policy.card.scores["randomized"]
     with closing(policy.make_env(scenario="randomized")) as env:
         found = evaluate(policy, env, score.episodes, score.seed).score
