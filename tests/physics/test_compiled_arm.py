@@ -74,8 +74,8 @@ def test_a_step_is_that_of_mujoco(stops: bool, surface: bool, coulomb: bool) -> 
         assert difference(reference.measurement[near], compiled.measurement[near]) < tolerance
         assert difference(reference.stop_violation[near], compiled.stop_violation[near]) < tolerance
         assert (reference.joints_at_stop == compiled.joints_at_stop)[near].all()
-        touching += np.count_nonzero(reference.contact_force)
-        stopped += np.count_nonzero(reference.joints_at_stop)
+        touching += int(np.count_nonzero(reference.contact_force))
+        stopped += int(np.count_nonzero(reference.joints_at_stop))
     assert (touching > STEPS) == surface
     assert (stopped > STEPS) == stops
 
