@@ -67,10 +67,10 @@ def check_same(reference: PRPVectorEnv, compiled: PRPVectorEnv, steps: int, tole
 @pytest.mark.parametrize("scenario", SCENARIOS)
 @pytest.mark.parametrize("environment_id", prp_gym.list_envs())
 def test_a_whole_episode_is_that_of_mujoco(environment_id: str, scenario: str) -> None:
-    keywords = {"scenario": scenario, "control_frequency": 250, "duration": 2.0}
+    keywords = {"scenario": scenario, "control_frequency": 250, "duration": 1.0}
     tolerance = SMOOTH if scenario == "report" else SOLVER
     check_same(
-        made(environment_id, **keywords), made(environment_id, engine="compiled", **keywords), 510, tolerance
+        made(environment_id, **keywords), made(environment_id, engine="compiled", **keywords), 260, tolerance
     )
 
 
