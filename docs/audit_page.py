@@ -12,14 +12,15 @@ from prp_gym.comparison.audit_jobs import UNAWARE
 SUMMARY = Path(__file__).resolve().parent.parent / "bench" / "audit.json"
 _REASONS = {
     "PRP-Adaptive-v0": (
-        "three quarters of the policies settle in every episode, most of them within 0.14 to 0.28 s; the score ranks"
-        " these by the error of the whole episode, in which such differences count little."
+        "three quarters of the policies settle in every episode, most of them within 0.14 to 0.28"
+        " s; the score ranks these by the error of the whole episode, in which such differences"
+        " count little."
     ),
     "PRP-Admittance-v0": (
-        "in the middle of the ranking, compliant controllers follow the target's motion from the start and settle"
-        " in half of the episodes, while stiff ones are far from it most of the time and settle late, after"
-        " pressing hard. The score prefers the former, the criteria the latter; the best and the worst policies"
-        " are ranked alike."
+        "in the middle of the ranking, compliant controllers follow the target's motion from the"
+        " start and settle in half of the episodes, while stiff ones are far from it most of the"
+        " time and settle late, after pressing hard. The score prefers the former, the criteria the"
+        " latter; the best and the worst policies are ranked alike."
     ),
 }
 """Why a reward contradicts a criterion, by environment."""
