@@ -350,28 +350,16 @@ class MissingPackageError(PRPError, RuntimeError):
         super().__init__(f"{package} is not installed; install it with: pip install {wanted}")
 
 
-class UntraceableError(PRPError, TypeError):
+class UntraceableError(PRPError, ValueError, TypeError):
     """A formula that cannot be traced into an expression graph: it uses more than arithmetic on arrays."""
-
-    def __init__(self, operation: str) -> None:
-        self.operation = operation
-        super().__init__(f"{shortened(operation, _LONGEST_VALUE)} cannot be traced into compiled code.")
 
 
 class DataDependentBranchError(UntraceableError):
     """A formula that branches on numbers that are known only when it runs."""
 
-    def __init__(self, condition: str) -> None:
-        self.condition = condition
-        super().__init__(f"a branch on {condition}; write numpy.where in its place: such a branch")
-
 
 class CompilerError(PRPError, RuntimeError):
     """Generated code that cannot be compiled on this machine."""
-
-    def __init__(self, reason: str) -> None:
-        self.reason = reason
-        super().__init__(f"a C compiler is needed for compiled code, and {reason}.")
 
 
 class PortError(PRPError, RuntimeError):

@@ -16,11 +16,28 @@ import numpy as np
 from prp_gym.physics.surface import IMPEDANCE
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, dot, matrix_like, solve_symmetric
+from prp_gym.robot.dynamics import BaseParameters
+from prp_gym.robot.parameters import NOMINAL
 
 _STOP_TIME, _STOP_DAMPING_RATIO = 0.004, 1.0  # solreflimit of the MJCF document
 _STOP_IMPEDANCE, _STOP_LARGEST, _STOP_WIDTH = 0.95, 0.99, 0.001  # solimplimit
 _FRICTION_TIME = 0.02  # MuJoCo's default solreffriction
 _FRICTION_IMPEDANCE, _FRICTION_LARGEST = 0.9, 0.95  # MuJoCo's default solimpfriction
+
+
+class PlantArm(PRPArm):
+    """Arms of the nominal geometry with other masses and friction, one for each leading index.
+
+    Args:
+        base_parameters: base parameters, arrays (...).
+        viscous_friction: F_v (..., 3) [N m s/rad, N s/m, N m s/rad]; Coulomb friction is a constraint here.
+    """
+
+    def __init__(self, base_parameters: BaseParameters, viscous_friction: Array) -> None:
+        super().__init__(NOMINAL)
+        self.base_parameters = base_parameters
+        self._viscous_friction = viscous_friction
+        self._coulomb_friction = np.zeros(3)
 
 
 class SurfaceRows(NamedTuple):
@@ -67,7 +84,7 @@ class ClosedForm:
         timestep: duration h of a step [s].
     """
 
-    arm: PRPArm
+    arm: PlantArm
     viscous_friction: Array
     joint_inverse_weight: Array
     tip_inverse_weight: Array

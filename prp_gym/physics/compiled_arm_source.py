@@ -1,6 +1,5 @@
 """The C source of the simulated arm: functions generated from the formulas, and the loop that calls them."""
 
-import copy
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.physics.closed_form import ClosedForm, Rows, SurfaceRows, surface_force
+from prp_gym.physics.closed_form import ClosedForm, PlantArm, Rows, SurfaceRows, surface_force
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, apply
 from prp_gym.robot.dynamics import BaseParameters
@@ -47,12 +46,10 @@ _FORCES = {"B": (3, 3), "b": (3,)}
 def closed_form(plant: Array, timestep: float) -> ClosedForm:
     """The arms whose plants are the rows of an array (..., `PLANT_SIZE`)."""
     base = plant[..., PLANT["base_parameters"]]
-    arm = copy.copy(PRPArm(NOMINAL))
     values: list[Any] = [base[..., index] for index in range(6)]
     viscous_friction = plant[..., PLANT["viscous_friction"]]
-    arm.use_plant(BaseParameters(*values), viscous_friction)
     return ClosedForm(
-        arm,
+        PlantArm(BaseParameters(*values), viscous_friction),
         viscous_friction,
         plant[..., PLANT["joint_inverse_weight"]],
         plant[..., 12],

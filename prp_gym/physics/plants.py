@@ -5,9 +5,9 @@ from dataclasses import astuple
 
 import numpy as np
 
+from prp_gym.physics.closed_form import PlantArm
 from prp_gym.physics.compiled_arm_source import PLANT, PLANT_SIZE
 from prp_gym.physics.model_fields import Ids, check_not_negative, check_positive
-from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, dot, solve_symmetric
 from prp_gym.robot.dynamics import BaseParameters
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
@@ -44,9 +44,7 @@ class Plants:
         check_not_negative("coulomb_friction", coulomb_friction, shape)
         self._dynamics[ids] = np.concatenate([mass_factor, viscous_friction, coulomb_friction], axis=-1)
         base = base_parameters(NOMINAL, mass_factor)
-        arm = PRPArm(NOMINAL)
-        arm.use_plant(base, viscous_friction)
-        weights = inverse_weights(arm)
+        weights = inverse_weights(PlantArm(base, viscous_friction))
         columns = (np.stack(astuple(base), axis=-1), viscous_friction, *weights, coulomb_friction)
         self.rows[ids] = np.concatenate(columns, axis=-1)
 
@@ -72,7 +70,7 @@ def base_parameters(parameters: RobotParameters, mass_factor: Array) -> BasePara
     return BaseParameters.of_links(parameters.geometry, masses, inertias)
 
 
-def inverse_weights(arm: PRPArm) -> tuple[Array, Array]:
+def inverse_weights(arm: PlantArm) -> tuple[Array, Array]:
     """MuJoCo's `dof_invweight0` (n, 3) and that of the third link's translation (n, 1).
 
     Source: [M] Computation, Solver parameters: diag B⁻¹, and the mean of diag J B⁻¹Jᵀ with the Jacobian J of

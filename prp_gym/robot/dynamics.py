@@ -90,17 +90,6 @@ class Dynamics(MotionConversion):
         self._viscous_friction = np.array(parameters.viscous_friction)
         self._coulomb_friction = np.array(parameters.coulomb_friction)
 
-    def use_plant(self, base_parameters: BaseParameters, viscous_friction: Array) -> None:
-        """Take other masses and friction, one for each arm (...), and no Coulomb friction.
-
-        Args:
-            base_parameters: base parameters, numbers or arrays (...).
-            viscous_friction: F_v (..., 3) [N m s/rad, N s/m, N m s/rad].
-        """
-        self.base_parameters = base_parameters
-        self._viscous_friction = viscous_friction
-        self._coulomb_friction = np.zeros(3)
-
     def inertia_matrix(self, joint_position: ArrayLike) -> Array:
         """B(q), symmetric and positive definite.
 

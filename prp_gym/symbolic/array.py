@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from prp_gym.errors import DataDependentBranchError, UntraceableError
+from prp_gym.errors import DataDependentBranchError, UntraceableError, shortened
 from prp_gym.symbolic.graph import Graph, Node
 from prp_gym.symbolic.operations import AND, NOT_EQUAL, OPERATIONS, OR, WHERE, Operation
 
@@ -144,32 +144,33 @@ class SymbolicArray(NDArrayOperatorsMixin):
     def __bool__(self) -> bool:
         if self.size == 1 and (node := self.flat()[0]).is_constant:
             return bool(node.value)
-        raise DataDependentBranchError(repr(self))
+        branch = f"a branch on {shortened(self)} cannot be traced into compiled code"
+        raise DataDependentBranchError(f"{branch}; write numpy.where in its place.")
 
     def __array__(self, *_: Any, **__: Any) -> Any:
-        raise UntraceableError("the conversion of unknown numbers to an array of numbers")
+        raise untraceable("the conversion of unknown numbers to an array of numbers")
 
     def __repr__(self) -> str:
         return f"SymbolicArray({self.nodes.tolist()!r})"
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         if set(options) - _OPTIONS[method == "reduce"]:
-            raise UntraceableError(f"numpy.{ufunc.__name__} with {', '.join(sorted(options))}")
+            raise untraceable(f"numpy.{ufunc.__name__} with {', '.join(sorted(options))}")
         if method == "reduce":
             reduced = self._reduced(_operation(ufunc), options.get("axis", 0), options.get("keepdims", False))
             return self._result(reduced, options)
         if method != "__call__":
-            raise UntraceableError(f"numpy.{ufunc.__name__}.{method}")
+            raise untraceable(f"numpy.{ufunc.__name__}.{method}")
         if ufunc is np.square or (ufunc is np.power and _is_two(inputs[1])):
             ufunc, inputs = np.multiply, (inputs[0], inputs[0])
         if ufunc is np.add and all(map(_are_booleans, inputs)):
             ufunc = np.logical_or  # as NumPy adds truth values
         if ufunc is np.invert and not all(map(_are_booleans, inputs)):
-            raise UntraceableError("numpy.invert of numbers")
+            raise untraceable("numpy.invert of numbers")
         if "where" not in options:
             return self._result(elementwise(self.graph, _operation(ufunc), *inputs), options)
         if "out" not in options:
-            raise UntraceableError(f"numpy.{ufunc.__name__} with where and without out")
+            raise untraceable(f"numpy.{ufunc.__name__} with where and without out")
         # what is left out must not even have an infinite derivative: there, the last argument is 1
         last = self._like(elementwise(self.graph, WHERE, options["where"], inputs[-1], 1.0))
         nodes = elementwise(self.graph, _operation(ufunc), *inputs[:-1], last)
@@ -180,7 +181,7 @@ class SymbolicArray(NDArrayOperatorsMixin):
         from prp_gym.symbolic.array_functions import ARRAY_FUNCTIONS  # they are functions of this class
 
         if function not in ARRAY_FUNCTIONS:
-            raise UntraceableError(f"numpy.{function.__name__}")
+            raise untraceable(f"numpy.{function.__name__}")
         return ARRAY_FUNCTIONS[function](self.graph, *arguments, **options)
 
     def _like(self, nodes: Any) -> Self:
@@ -192,14 +193,14 @@ class SymbolicArray(NDArrayOperatorsMixin):
             return self._like(nodes)
         (out,) = options["out"]
         if not isinstance(out, SymbolicArray):
-            raise UntraceableError("unknown numbers written into an array of numbers")
+            raise untraceable("unknown numbers written into an array of numbers")
         out.nodes[...] = nodes
         return out
 
     def _reduced(self, operation: Operation, axis: Any, keepdims: bool) -> Any:
         """The operation over an axis, in the order of its components; over all of them for None."""
         if axis is not None and not isinstance(axis, int):
-            raise UntraceableError("a reduction over several axes")
+            raise untraceable("a reduction over several axes")
         nodes = self.nodes.ravel() if axis is None else np.moveaxis(self.nodes, axis, 0)
         result = np.asarray(nodes[0], dtype=object)
         for row in nodes[1:]:
@@ -215,13 +216,13 @@ class SymbolicArray(NDArrayOperatorsMixin):
         """The elements at indices of which some are unknown, one for each axis from the first on."""
         unknown = [axis for axis, part in enumerate(keys) if isinstance(part, SymbolicArray)]
         if len(unknown) != 1:
-            raise UntraceableError("an index with several unknown numbers")
+            raise untraceable("an index with several unknown numbers")
         axis = unknown[0]
         index, before, count = keys[axis], keys[:axis], self.shape[axis]
         if any(node.is_boolean for node in index.flat()):
-            raise UntraceableError("a choice of elements by truth values; write numpy.where: such a choice")
+            raise untraceable("a choice of elements by truth values; write numpy.where: such a choice")
         if any(part is None or part is Ellipsis or isinstance(part, slice) for part in before):
-            raise UntraceableError("an unknown index after a slice")
+            raise untraceable("an unknown index after a slice")
         shape = np.broadcast_shapes(index.shape, *(np.shape(part) for part in before))
         index = self._like(np.broadcast_to(index.nodes, shape))
 
@@ -257,6 +258,11 @@ def elementwise(graph: Graph, operation: Operation, *values: Any) -> Any:
     return nodes
 
 
+def untraceable(operation: str) -> UntraceableError:
+    """The error about an operation that has no meaning for expressions."""
+    return UntraceableError(f"{operation} cannot be traced into compiled code.")
+
+
 def is_symbolic(value: object) -> bool:
     """Whether a value is a symbolic array, in the place of an array while a formula is traced."""
     return type(value) is SymbolicArray
@@ -264,5 +270,5 @@ def is_symbolic(value: object) -> bool:
 
 def _operation(ufunc: Any) -> Operation:
     if ufunc not in _OF_UFUNC:
-        raise UntraceableError(f"numpy.{ufunc.__name__}")
+        raise untraceable(f"numpy.{ufunc.__name__}")
     return _OF_UFUNC[ufunc]

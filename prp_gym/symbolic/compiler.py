@@ -22,6 +22,10 @@ FLAGS = ("-O2", "-std=c11", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-
 _SECONDS = 300.0
 
 
+def _failure(reason: str) -> CompilerError:
+    return CompilerError(f"compiled code needs a C compiler, and {reason}.")
+
+
 @cache
 def find_compiler() -> tuple[str, ...]:
     """The command of a C compiler: `$CC`, cc, gcc or clang, or that of the package ziglang.
@@ -36,7 +40,7 @@ def find_compiler() -> tuple[str, ...]:
             return (found, *arguments)
     if importlib.util.find_spec("ziglang") is not None:
         return sys.executable, "-m", "ziglang", "cc"
-    raise CompilerError("none was found: install gcc or clang, or: pip install ziglang")
+    raise _failure("none was found: install gcc or clang, or: pip install ziglang")
 
 
 def cache_folder() -> Path:
@@ -95,6 +99,6 @@ def _run(command: list[str]) -> None:
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise CompilerError(f"{command[0]} could not run: {error}") from error
+        raise _failure(f"{command[0]} could not run: {error}") from error
     if done.returncode != 0:
-        raise CompilerError(f"{command[0]} refused the generated code: {done.stderr[-500:]}")
+        raise _failure(f"{command[0]} refused the generated code: {done.stderr[-500:]}")

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPPED = ("envs", "baselines", "agents")
-DATA_SUFFIXES = {".py", ".toml", ".typed", ".yml", ".json", ".safetensors"}
+DATA_SUFFIXES = {".c", ".h", ".py", ".toml", ".typed", ".yml", ".json", ".safetensors"}
 
 
 def tracked_files() -> list[PurePosixPath]:

@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from prp_gym.errors import (
     AgentFileError,
     CheckpointError,
+    CompilerError,
+    DataDependentBranchError,
     DataFileError,
     DataTextError,
     EpisodeError,
@@ -36,6 +38,7 @@ from prp_gym.errors import (
     UnknownKeywordError,
     UnknownNameError,
     UnreachableError,
+    UntraceableError,
     UserCodeError,
     shortened,
 )
@@ -67,7 +70,13 @@ WITH_FACTS = [
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
 ]
-WITHOUT_FACTS = [EpisodeError("step before reset"), RenderingError("no display")]
+WITHOUT_FACTS = [
+    EpisodeError("step before reset"),
+    RenderingError("no display"),
+    UntraceableError("numpy.linalg.svd"),
+    DataDependentBranchError("a branch on force > 0"),
+    CompilerError("no compiler"),
+]
 EXAMPLES = [*WITH_FACTS, *WITHOUT_FACTS]
 
 
@@ -125,7 +134,7 @@ def test_examples_cover_every_class_of_the_module() -> None:
 def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> None:
     assert isinstance(error, PRPError)
     of_a_state = (
-        *(CheckpointError, EpisodeError, MissingPackageError, OutputError, PluginError),
+        *(CheckpointError, CompilerError, EpisodeError, MissingPackageError, OutputError, PluginError),
         *(FolderInUseError, PortError, RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)

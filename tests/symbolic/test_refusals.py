@@ -39,7 +39,7 @@ def test_branches_on_unknown_numbers_are_refused(name: str) -> None:
         DataDependentBranchError, match=r"a branch on .*; write numpy\.where in its place"
     ) as refused:
         traced(BRANCHES[name])
-    assert "SymbolicArray" in refused.value.condition
+    assert "SymbolicArray" in str(refused.value)
 
 
 def test_branches_on_known_numbers_are_taken() -> None:
@@ -75,7 +75,7 @@ FUNCTIONS: dict[str, Formula] = {
 def test_unknown_functions_of_numpy_are_refused_by_name(name: str) -> None:
     with pytest.raises(UntraceableError, match="cannot be traced into compiled code") as refused:
         traced(FUNCTIONS[name])
-    assert refused.value.operation == f"numpy.{name}"
+    assert str(refused.value).startswith(f"numpy.{name} ")
 
 
 POWERS: dict[str, Formula] = {
@@ -90,7 +90,7 @@ POWERS: dict[str, Formula] = {
 def test_powers_other_than_squares_are_refused_by_their_name(name: str) -> None:
     with pytest.raises(UntraceableError) as refused:
         traced(POWERS[name])
-    assert refused.value.operation == "numpy.power"
+    assert str(refused.value).startswith("numpy.power ")
 
 
 def written(x: Any) -> Any:
