@@ -8,7 +8,14 @@ from mujoco.batch import Batch
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.physics.mjcf import TIP_RADIUS
-from prp_gym.physics.model_fields import Ids, ModelFields, check_not_negative, check_positive, check_rows
+from prp_gym.physics.model_fields import (
+    Ids,
+    ModelFields,
+    check_dynamics,
+    check_not_negative,
+    check_positive,
+    check_rows,
+)
 from prp_gym.physics.surface import Surface, friction_reference, solver_reference
 from prp_gym.robot.arrays import Array, dot
 
@@ -77,10 +84,7 @@ class ArmFields(ModelFields):
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
     ) -> None:
         """See `Physics.set_dynamics`."""
-        shape = (len(ids), 3)
-        check_positive("mass_factor", mass_factor, shape)
-        check_not_negative("viscous_friction", viscous_friction, shape)
-        check_not_negative("coulomb_friction", coulomb_friction, shape)
+        check_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)
         model, rows = self.batch.model, np.asarray(ids)[:, None]
         inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
         self.batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]

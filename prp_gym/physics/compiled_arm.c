@@ -1,9 +1,5 @@
 /* N arms, advanced one after the other with the functions generated from the formulas. */
 
-#define PRP_PLANT 16   /* components of a plant */
-#define PRP_SURFACE 11 /* components of a surface */
-#define PRP_COULOMB 13 /* column of the Coulomb friction in a plant */
-
 /* The forces of the constraints in the joints, and of the surface; `b` becomes b + Σ Jᵀf. */
 static inline void prp_constrain(
     const prp_world *world, const double *q, const double *v, const double *plant, const double *surface,
@@ -15,23 +11,15 @@ static inline void prp_constrain(
     c.count = 0;
     if (world->friction) {
         prp_friction_rows(q, v, plant, J, reference, weight);
-        for (int i = 0; i < 3; i++) {
-            if (plant[PRP_COULOMB + i] == 0.0)
-                continue;
-            const int n = c.count++;
-            c.jacobian[n][0] = J[3 * i], c.jacobian[n][1] = J[3 * i + 1], c.jacobian[n][2] = J[3 * i + 2];
-            c.reference[n] = reference[i], c.weight[n] = weight[i], c.loss[n] = plant[PRP_COULOMB + i];
-        }
+        for (int i = 0; i < 3; i++)
+            if (plant[PRP_COULOMB + i] != 0.0)
+                prp_add(&c, J + 3 * i, reference[i], weight[i], plant[PRP_COULOMB + i]);
     }
     if (world->stops) {
         prp_stop_rows(q, v, plant, J, reference, weight);
-        for (int i = 0; i < 3; i++) {
-            if (weight[i] == 0.0)
-                continue;
-            const int n = c.count++;
-            c.jacobian[n][0] = J[3 * i], c.jacobian[n][1] = J[3 * i + 1], c.jacobian[n][2] = J[3 * i + 2];
-            c.reference[n] = reference[i], c.weight[n] = weight[i], c.loss[n] = -1.0;
-        }
+        for (int i = 0; i < 3; i++)
+            if (weight[i] != 0.0)
+                prp_add(&c, J + 3 * i, reference[i], weight[i], -1.0);
     }
     const int others = c.count;
     int touches = 0;
@@ -47,11 +35,8 @@ static inline void prp_constrain(
         }
         return;
     }
-    if (touches) {
-        const int n = c.count++;
-        c.jacobian[n][0] = along[0], c.jacobian[n][1] = along[1], c.jacobian[n][2] = along[2];
-        c.reference[n] = reference[0], c.weight[n] = weight[0], c.loss[n] = -1.0;
-    }
+    if (touches)
+        prp_add(&c, along, reference[0], weight[0], -1.0);
     prp_solve3(B, b, first);
     prp_minimise(&c, B, b, first);
     for (int i = 0; i < c.count; i++)

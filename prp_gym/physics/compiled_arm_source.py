@@ -9,7 +9,7 @@ import numpy as np
 
 from prp_gym.physics.closed_form import ClosedForm, PlantArm, Rows, SurfaceRows, surface_force
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, apply
+from prp_gym.robot.arrays import Array, apply, solve_symmetric
 from prp_gym.robot.dynamics import BaseParameters
 from prp_gym.robot.parameters import NOMINAL
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
@@ -39,6 +39,10 @@ SURFACE = {
 
 SURFACE_SIZE = 11
 
+_SIZES = (
+    f"#define PRP_PLANT {PLANT_SIZE}\n#define PRP_SURFACE {SURFACE_SIZE}\n"
+    f"#define PRP_COULOMB {PLANT['coulomb_friction'].start}\n"
+)
 _STATE = {"q": (3,), "velocity": (3,)}
 _FORCES = {"B": (3, 3), "b": (3,)}
 
@@ -65,7 +69,16 @@ def arm_source(timestep: float) -> str:
         for name, (formula, shapes) in _formulas(timestep).items()
     ]
     texts = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
-    return "\n".join([PREAMBLE, *functions, *texts])
+    return "\n".join([PREAMBLE, _SIZES, solver_functions(), *functions, *texts])
+
+
+def solver_functions() -> str:
+    """The functions that the constraint solver takes from the formulas."""
+
+    def solve(matrix: Any, right: Any) -> Mapping[str, Any]:
+        return {"solution": solve_symmetric(matrix, right)}
+
+    return c_function(trace("prp_solve3", solve, {"matrix": (3, 3), "right": (3,)}))
 
 
 def _formulas(timestep: float) -> dict[str, tuple[Callable[..., Mapping[str, Any]], dict[str, Any]]]:

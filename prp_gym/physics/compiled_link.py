@@ -11,7 +11,7 @@ from prp_gym.physics.abstract_simulation import LinkSimulation
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.physics.link_simulation import LinkPhysics
-from prp_gym.physics.model_fields import Ids, check_not_negative, check_positive
+from prp_gym.physics.model_fields import Ids, check_link
 from prp_gym.physics.scene import check_timestep
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK
@@ -96,10 +96,7 @@ class CompiledLink(CompiledSimulation, LinkSimulation):
         self, ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array
     ) -> None:
         """See `LinkSimulation.set_parameters`."""
-        shape = (len(ids),)
-        check_positive("inertia", inertia, shape, "kg·m²")
-        check_not_negative("viscous_friction", viscous_friction, shape, "N·m·s/rad")
-        check_not_negative("gravity_moment", gravity_moment, shape, "N·m")
+        check_link(ids, inertia, viscous_friction, gravity_moment)
         self._plants[ids] = np.stack([inertia, viscous_friction, gravity_moment], axis=-1)
 
     def in_mujoco(self, simulation: int) -> LinkPhysics:

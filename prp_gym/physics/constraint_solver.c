@@ -23,18 +23,14 @@ static inline double prp_dot3(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Solve a symmetric, positive definite system of three equations, by its factors L D Lᵀ. */
-static inline void prp_solve3(const double matrix[9], const double right[3], double solution[3])
+/* Add a constraint; `loss` is negative for one with one side. */
+static inline void prp_add(
+    prp_constraints *c, const double *jacobian, double reference, double weight, double loss)
 {
-    const double l_21 = matrix[3] / matrix[0], l_31 = matrix[6] / matrix[0];
-    const double d_2 = matrix[4] - l_21 * matrix[3], rest = matrix[7] - l_31 * matrix[3];
-    const double l_32 = rest / d_2;
-    const double d_3 = matrix[8] - l_31 * matrix[6] - l_32 * rest;
-    const double y_2 = right[1] - l_21 * right[0];
-    const double y_3 = right[2] - l_31 * right[0] - l_32 * y_2;
-    solution[2] = y_3 / d_3;
-    solution[1] = y_2 / d_2 - l_32 * solution[2];
-    solution[0] = right[0] / matrix[0] - l_21 * solution[1] - l_31 * solution[2];
+    const int n = c->count++;
+    for (int j = 0; j < 3; j++)
+        c->jacobian[n][j] = jacobian[j];
+    c->reference[n] = reference, c->weight[n] = weight, c->loss[n] = loss;
 }
 
 /* The force of a constraint at z = J a - r; `stiff` is set to -d force/dz. */

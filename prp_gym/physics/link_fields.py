@@ -5,7 +5,7 @@ from typing import ClassVar
 from mujoco.batch import Batch
 
 from prp_gym.physics.link_mjcf import mass_distribution
-from prp_gym.physics.model_fields import Ids, ModelFields, check_not_negative, check_positive
+from prp_gym.physics.model_fields import Ids, ModelFields, check_link
 from prp_gym.robot.arrays import Array
 
 
@@ -26,10 +26,7 @@ class LinkFields(ModelFields):
         self, ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array
     ) -> None:
         """See `LinkPhysics.set_parameters`."""
-        shape = (len(ids),)
-        check_positive("inertia", inertia, shape, "kg·m²")
-        check_not_negative("viscous_friction", viscous_friction, shape, "N·m·s/rad")
-        check_not_negative("gravity_moment", gravity_moment, shape, "N·m")
+        check_link(ids, inertia, viscous_friction, gravity_moment)
         mass, center, moment = mass_distribution(inertia, gravity_moment)
         self.batch.expand("body_mass")[ids, self._link] = mass
         self.batch.expand("body_ipos")[ids, self._link] = center

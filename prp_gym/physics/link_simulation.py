@@ -69,17 +69,5 @@ class LinkPhysics(BatchSimulation, LinkSimulation):
     def set_parameters(
         self, ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array
     ) -> None:
-        """Set the link parameters of some simulations; they take effect at the next `reset` or `advance`.
-
-        Args:
-            ids: Indices of the simulations (n).
-            inertia: Moment of inertia I (n) [kg m^2].
-            viscous_friction: Coefficient F of the viscous friction (n) [N m s/rad].
-            gravity_moment: Gravity moment G (n) [N m].
-
-        Raises:
-            ShapeError: an argument has another shape; nothing is changed.
-            InvalidValueError: an inertia that is not positive, negative friction or gravity moment, a
-                value that is not finite; nothing is changed.
-        """
+        """See `LinkSimulation.set_parameters`."""
         self._fields.set_parameters(ids, inertia, viscous_friction, gravity_moment)

@@ -45,6 +45,22 @@ def check_not_negative(what: str, values: Array, shape: tuple[int, ...], unit: s
     _check_range(what, values, np.asarray(values) >= 0.0, "at least 0 and finite", unit)
 
 
+def check_dynamics(ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array) -> None:
+    """Check what `ArmSimulation.set_dynamics` takes; see there."""
+    shape = (len(ids), 3)
+    check_positive("mass_factor", mass_factor, shape)
+    check_not_negative("viscous_friction", viscous_friction, shape)
+    check_not_negative("coulomb_friction", coulomb_friction, shape)
+
+
+def check_link(ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment: Array) -> None:
+    """Check what `LinkSimulation.set_parameters` takes; see there."""
+    shape = (len(ids),)
+    check_positive("inertia", inertia, shape, "kg·m²")
+    check_not_negative("viscous_friction", viscous_friction, shape, "N·m·s/rad")
+    check_not_negative("gravity_moment", gravity_moment, shape, "N·m")
+
+
 def _check_range(what: str, values: Array, within: NDArray[np.bool_], allowed: str, unit: str) -> None:
     good = np.isfinite(values) & within
     if not good.all():

@@ -7,7 +7,7 @@ import numpy as np
 
 from prp_gym.physics.closed_form import PlantArm
 from prp_gym.physics.compiled_arm_source import PLANT, PLANT_SIZE
-from prp_gym.physics.model_fields import Ids, check_not_negative, check_positive
+from prp_gym.physics.model_fields import Ids, check_dynamics
 from prp_gym.robot.arrays import Array, dot, solve_symmetric
 from prp_gym.robot.dynamics import BaseParameters
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
@@ -38,10 +38,7 @@ class Plants:
 
     def set(self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array) -> None:
         """See `ArmSimulation.set_dynamics`."""
-        shape = (len(ids), 3)
-        check_positive("mass_factor", mass_factor, shape)
-        check_not_negative("viscous_friction", viscous_friction, shape)
-        check_not_negative("coulomb_friction", coulomb_friction, shape)
+        check_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)
         self._dynamics[ids] = np.concatenate([mass_factor, viscous_friction, coulomb_friction], axis=-1)
         base = base_parameters(NOMINAL, mass_factor)
         weights = inverse_weights(PlantArm(base, viscous_friction))

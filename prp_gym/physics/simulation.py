@@ -87,61 +87,25 @@ class Physics(BatchSimulation, ArmSimulation):
 
     @property
     def tip_velocity(self) -> Array:
-        """Tip velocities (N, 3) in the world frame [m/s]."""
+        """See `ArmSimulation.tip_velocity`."""
         return self._tip_velocity
 
     def set_surface(self, ids: Ids, surface: Surface, center: Array | None = None) -> None:
-        """Set the surfaces of some simulations; they take effect at the next `reset` or `advance`.
-
-        Args:
-            ids: Indices of the simulations (n).
-            surface: Surface with n planes.
-            center: Points (n, 3) [m] at whose projections the patches of the unbounded planes are drawn; by
-                default the tip position at home.
-
-        Raises:
-            InvalidValueError: The world was built without a surface.
-            ShapeError: The surface does not have n planes.
-        """
+        """See `ArmSimulation.set_surface`."""
         if not self.settings.surface:
             raise InvalidValueError("surface", "given", "nothing: this world was built without a surface")
         self._fields.set_surface(ids, surface, self._home_tip if center is None else center)
 
     def set_springs(self, ids: Ids, stiffness: Array, damping: Array) -> None:
-        """Set the stiffness and damping of surfaces that stay where they are, from the next `advance` on.
-
-        Args:
-            ids: Indices of the simulations (n).
-            stiffness: Stiffness K (n) [N/m], above 0.
-            damping: Damping D (n) [N s/m], at least 0.
-
-        Raises:
-            InvalidValueError: A simulation without a surface, a value outside its range.
-            ShapeError: An argument has another shape.
-        """
+        """See `ArmSimulation.set_springs`."""
         self._fields.set_springs(ids, stiffness, damping)
 
     def surface(self, simulation: int = 0) -> Surface:
-        """The surface of one simulation, one plane.
-
-        Raises:
-            InvalidValueError: A simulation without a surface.
-        """
+        """See `ArmSimulation.surface`."""
         return self._fields.surface(simulation)
 
     def set_dynamics(
         self, ids: Ids, mass_factor: Array, viscous_friction: Array, coulomb_friction: Array
     ) -> None:
-        """Set masses and friction of some simulations; their surfaces do not change.
-
-        Args:
-            ids: Indices of the simulations (n).
-            mass_factor: Factors (n, 3) of each link's mass and inertia.
-            viscous_friction: Coefficients F_v of the viscous friction (n, 3) [N m s/rad, N s/m, N m s/rad].
-            coulomb_friction: Coulomb friction F_s (n, 3) [N m, N, N m].
-
-        Raises:
-            ShapeError: An argument has another shape.
-            InvalidValueError: A factor that is not positive, negative friction, a value that is not finite.
-        """
+        """See `ArmSimulation.set_dynamics`."""
         self._fields.set_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)

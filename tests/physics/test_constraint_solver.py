@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import prp_gym.physics
+from prp_gym.physics.compiled_arm_source import solver_functions
 from prp_gym.symbolic.c_source import PREAMBLE
 from prp_gym.symbolic.compiler import load_library
 from tests.support.compiler import needs_compiler
@@ -35,7 +36,7 @@ void solve(int count, const double *J, const double *r, const double *w, const d
 
 def solve(J: Array, r: Array, w: Array, loss: Array, B: Array, b: Array, guess: Array) -> tuple[Array, Array]:
     text = (Path(prp_gym.physics.__file__).parent / "constraint_solver.c").read_text(encoding="utf-8")
-    function = load_library(f"{PREAMBLE}\n{text}\n{ENTRY}").solve
+    function = load_library(f"{PREAMBLE}\n{solver_functions()}\n{text}\n{ENTRY}").solve
     a, f = guess.copy(), np.zeros(len(r))
     arrays = [np.ascontiguousarray(value) for value in (J, r, w, loss, B, b)]
     function(len(r), *(ctypes.c_void_p(value.ctypes.data) for value in (*arrays, a, f)))
