@@ -145,6 +145,7 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
         rendered: settings that take the task's target impedance, with gain sets declared to do so.
         integrators: indices of the state arrays that are held while an actuator is at its limit.
         batched: `predict` also takes several observations at once.
+        compiled: `predict` does what `act` does, which may be compiled; not of a class with its own.
         settings: settings of the controller, every vector at its full length.
         model: robot model that the controller uses.
         references: desired motion, in joint or operational space.
@@ -160,6 +161,12 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
     rendered: ClassVar[tuple[str, ...]] = ()
     integrators: ClassVar[tuple[int, ...]] = ()
     batched: ClassVar[bool] = True
+    compiled: ClassVar[bool] = True
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "predict" in vars(cls):
+            cls.compiled = False
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:
         missing = self.missing_fields(interface.layout)
@@ -235,13 +242,25 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
             raise InvalidValueError("observation", sorted(observation), "a flat array, not a dictionary")
         layout = self.interface.layout
         observed = layout.split(layout.checked(observation))
-        before = self._begin(observed, state, episode_start)
-        torque, after = self.control(observed, before)
+        action, after = self.act(observed, self._begin(observed, state, episode_start))
+        return action, after or None
+
+    def act(self, observed: Observed, state: ControllerState) -> tuple[NDArray[np.float32], ControllerState]:
+        """The action of one period, and the state a period later with the integrators held at a limit.
+
+        Args:
+            observed: fields by name, each (..., size), in the units of their declaration.
+            state: state from `initial_state` or from the last call.
+
+        Returns:
+            (..., joints) within [-1, 1], and the state for the next call.
+        """
+        torque, after = self.control(observed, state)
         demand = torque / self.interface.torque_limit
         action = np.clip(demand, -1.0, 1.0)
         if after and self.integrators:
-            after = self._hold(before, after, np.logical_or.reduce(action != demand, axis=-1))
-        return action.astype(np.float32), after or None
+            after = self._hold(state, after, np.logical_or.reduce(action != demand, axis=-1))
+        return action.astype(np.float32), after
 
     def _begin(
         self, observed: Observed, state: PolicyState, episode_start: NDArray[Any] | None

@@ -1,7 +1,7 @@
 """The stiffness and damping of a surface, estimated online from force and motion of the tip in contact."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -49,6 +49,7 @@ class StiffnessEstimator:
         forgetting_time: time constant of the weights, above 0 [s].
         period: time between two measurements [s].
         greatest_stiffness: greatest stiffness of a surface; infinite if unknown [N/m].
+        retention: factor by which a weight decays in one period.
         allowed: least and largest K̂ [N/m].
         dampings: least and largest D̂ [N s/m].
         force_noise: standard deviation σ_f of the force sensor's noise [N].
@@ -67,6 +68,7 @@ class StiffnessEstimator:
     forgetting_time: float
     period: float
     greatest_stiffness: float = math.inf
+    retention: float = field(init=False)
 
     allowed: ClassVar[tuple[float, float]] = (1.0, 2e4)
     dampings: ClassVar[tuple[float, float]] = (0.0, 100.0)
@@ -79,11 +81,7 @@ class StiffnessEstimator:
         for name, unit in (("initial_stiffness", "N/m"), ("forgetting_time", "s"), ("period", "s")):
             if not getattr(self, name) > 0.0:
                 raise InvalidValueError(name, getattr(self, name), "above 0", unit)
-
-    @property
-    def retention(self) -> float:
-        """Factor by which a weight decays in one period."""
-        return math.exp(-self.period / self.forgetting_time)
+        object.__setattr__(self, "retention", math.exp(-self.period / self.forgetting_time))
 
     def begin(self, shape: tuple[int, ...]) -> Array:
         """An empty memory (*shape, 9), without a measurement."""

@@ -1,7 +1,7 @@
 """Errors of force tasks: force along the surface normal, contact, and pose in the other directions."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from prp_gym.envs.base.motion_errors import SCORED_ANGLES
 from prp_gym.physics.surface import CONTACT_THRESHOLD
 from prp_gym.robot.arrays import Array, dot, norm, sum_of_products, zeros
+from prp_gym.symbolic.array import is_symbolic
 from prp_gym.tasks.fields import FORCE_ERROR, Field, ObservationLayout
 from prp_gym.tasks.parts import ErrorFunction
 from prp_gym.tasks.setup import TaskSetup
@@ -33,6 +34,7 @@ class ForceErrors(ErrorFunction):
     """
 
     unobserved_fields: ClassVar[tuple[Field, ...]] = (FORCE_ERROR,)
+    state_arrays: ClassVar[Mapping[str, int]] = {"_disturbance": 0, "_established": 0}
 
     def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
         self._measured = layout.index("end_effector_pose")
@@ -45,8 +47,7 @@ class ForceErrors(ErrorFunction):
         self._decay = math.exp(-setup.period / float(constants["disturbance_time"]))
         self._disturbance = np.zeros(0)
         self._established: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
-        self._error: Array | None = None
-        self._touching: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
+        self._present: tuple[Array, NDArray[np.bool_]] | None = None  # what `advance` has measured
 
     def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
         """See `ErrorFunction.begin`: no disturbance yet, and no contact that could be lost."""
@@ -59,7 +60,7 @@ class ForceErrors(ErrorFunction):
     def _measure(self, ground_truth: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The relative force error along the desired force (N), and whether the tip touches (N)."""
         force, desired = ground_truth[:, self._force], ground_truth[:, self._desired_force]
-        if len(force) == 1:  # numbers are faster than small arrays, with the same bits
+        if len(force) == 1 and not is_symbolic(force):  # numbers are faster than small arrays, with the same bits
             f, f_d = force[0].tolist(), desired[0].tolist()
             error = 1.0 - sum_of_products(f, f_d) / sum_of_products(f_d, f_d)
             return np.array([error]), np.array([math.sqrt(sum_of_products(f, f)) > CONTACT_THRESHOLD])
@@ -71,17 +72,15 @@ class ForceErrors(ErrorFunction):
         event = np.where(self._established & ~touching, 1.0, -error)
         self._disturbance = np.maximum(self._disturbance * self._decay, event)
         self._established = touching & (self._established | (error < _ESTABLISHED))
-        self._error, self._touching = error, touching
+        self._present = error, touching
 
     def complete(self, ground_truth: Array) -> None:
         """See `ErrorFunction.complete`; a reset measures anew, a step has just done so."""
-        error, touching = self._error, self._touching
-        if error is None:
-            error, touching = self._measure(ground_truth)
+        error, touching = self._present or self._measure(ground_truth)
         own = ground_truth[:, self._own]
         own[:, 0] = np.where(error < 0.0, self._excess_factor * error, error)
         own[:, 1] = np.where(touching, self._disturbance, np.maximum(self._disturbance, 1.0))
-        self._error = None
+        self._present = None
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         """(..., 5, 3): force, contact [1], tip along the surface [m], α and β [rad], torque [N m, N, N m]."""

@@ -74,6 +74,8 @@ class StaticTargetErrors(TargetErrors):
 class DynamicTargetErrors(TargetErrors):
     """Deviations from a target with inertia, damping and stiffness that moves under the contact force."""
 
+    state_arrays: ClassVar[Mapping[str, int]] = {"_motion": 1}
+
     def __init__(self, setup: TaskSetup, layout: ObservationLayout) -> None:
         super().__init__(setup, layout)
         self._motion = np.zeros((4, 0, 6))  # displacement, its rate, force at start and end of a period

@@ -1,7 +1,9 @@
 """Actuators, which turn commanded torques into applied ones: ideal, or with delay and noise."""
 
+import copy
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +14,14 @@ from prp_gym.tasks.scenario import Scenario
 
 
 class Actuators(ABC):
-    """The actuators of N robots."""
+    """The actuators of N robots.
+
+    Attributes:
+        state_arrays: Names of the arrays that are kept from one period to the next, each with its axis of
+            robots.
+    """
+
+    state_arrays: ClassVar[Mapping[str, int]] = {}
 
     @abstractmethod
     def begin(self, ids: NDArray[np.intp], seeds: Sequence[int]) -> None:
@@ -21,6 +30,18 @@ class Actuators(ABC):
     @abstractmethod
     def apply(self, command: Array) -> Array:
         """The torques (N, joints) that are applied while these are commanded [N m, N, N m]."""
+
+    def without_noise(self) -> Self:
+        """A copy of the formulas and the kept arrays, without the random numbers."""
+        return copy.copy(self)
+
+    @abstractmethod
+    def noise_ahead(self, periods: int) -> Array | None:
+        """The noise (periods, N, joints) of the next periods, which are over then; None for none."""
+
+    @abstractmethod
+    def transmit(self, command: Array, noise: Array | None) -> Array:
+        """The torques (N, joints) that are applied with a noise of this period [N m, N, N m]."""
 
 
 class IdealActuators(Actuators):
@@ -33,6 +54,14 @@ class IdealActuators(Actuators):
         """See `Actuators.apply`: the command itself."""
         return command
 
+    def noise_ahead(self, periods: int) -> Array | None:
+        """See `Actuators.noise_ahead`: none."""
+        return None
+
+    def transmit(self, command: Array, noise: Array | None) -> Array:
+        """See `Actuators.transmit`: the command itself."""
+        return command
+
 
 class RealisticActuators(Actuators):
     """Actuators with a delay of whole control periods and white noise on top of the limited torque.
@@ -42,6 +71,8 @@ class RealisticActuators(Actuators):
         nominal_limit: Nominal actuator limits (joints) [N m, N, N m].
         num_envs: Number of environments N.
     """
+
+    state_arrays: ClassVar[Mapping[str, int]] = {"_pipeline": 1}
 
     def __init__(self, scenario: Scenario, nominal_limit: Array, num_envs: int) -> None:
         self._deviation = scenario.torque_noise * nominal_limit
@@ -55,10 +86,25 @@ class RealisticActuators(Actuators):
 
     def apply(self, command: Array) -> Array:
         """The command of `delay_steps` periods ago, with noise."""
+        applied = self.transmit(command, self._noise.current * self._deviation)
+        self._noise.advance()
+        return applied
+
+    def without_noise(self) -> Self:
+        """See `Actuators.without_noise`."""
+        own: Any = copy.copy(self)
+        own._noise = None
+        return own  # type: ignore[no-any-return]
+
+    def noise_ahead(self, periods: int) -> Array | None:
+        """See `Actuators.noise_ahead`."""
+        return self._noise.ahead(periods) * self._deviation
+
+    def transmit(self, command: Array, noise: Array | None) -> Array:
+        """See `Actuators.transmit`."""
         self._pipeline[1:] = self._pipeline[:-1].copy()
         self._pipeline[0] = command
-        applied: Array = self._pipeline[-1] + self._noise.current * self._deviation
-        self._noise.advance()
+        applied: Array = self._pipeline[-1] + noise
         return applied
 
 

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, NonFiniteError
 from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.array import is_symbolic
 
 
 def check_ids(ids: NDArray[np.intp], num_envs: int, *, started: bool) -> None:
@@ -31,9 +32,26 @@ def clip_actions(action: Array) -> Array:
     Raises:
         NonFiniteError: NaN or infinity in an action.
     """
-    bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
-    if len(bad):
-        what = "action" if len(action) == 1 else f"action of environments {bad.tolist()}"
-        raise NonFiniteError(what, action[bad].tolist())
+    if not is_symbolic(action):
+        bad = np.flatnonzero(~np.isfinite(action).all(axis=1))
+        if len(bad):
+            what = "action" if len(action) == 1 else f"action of environments {bad.tolist()}"
+            raise NonFiniteError(what, action[bad].tolist())
     within: Array = np.clip(action, -1.0, 1.0)
     return within
+
+
+def limit_actions(action: Array, largest: Array) -> tuple[Array, NDArray[np.bool_] | None]:
+    """Actions clipped to ±1, and a mask (N, joints) of those at or beyond ±1; None if there are none.
+
+    Args:
+        action: Actions (N, joints).
+        largest: Ones (N, joints).
+
+    Raises:
+        NonFiniteError: NaN or infinity in an action.
+    """
+    inside = np.abs(action) < largest
+    if not is_symbolic(inside) and np.count_nonzero(inside) == inside.size:
+        return action, None
+    return clip_actions(action), ~inside

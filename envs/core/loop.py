@@ -5,7 +5,7 @@ It is vectorised over N; a single environment is a loop with N = 1.
 
 import copy
 from collections.abc import Callable, Mapping, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,11 @@ from prp_gym.envs.action_mode import ActionField, torque_field
 from prp_gym.envs.base.error_observation import ErrorObservation
 from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
-from prp_gym.envs.core.argument_checks import check_ids, clip_actions
+from prp_gym.envs.core.argument_checks import check_ids, limit_actions
+from prp_gym.envs.core.compiled_run import EpisodeRecord, run_episodes
 from prp_gym.envs.core.loop_state import STATE, LoopState
+from prp_gym.envs.core.period_parts import PeriodParts
+from prp_gym.envs.core.period_source import PeriodSource
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
@@ -58,8 +61,8 @@ class EpisodeLoop:
         self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
         self._on_period: Callable[[Step], None] = _ignore
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
-        self._score = StepScoring(task, self.physics, config.control_frequency)
-        self.info_fields = self._score.info_fields
+        self._scoring = StepScoring(task, num_envs, config.control_frequency)
+        self.info_fields = self._scoring.info_fields
         self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
         self._sensors = make_sensors(task.scenario, task.layout, num_envs)
         self.commanded_torque = np.zeros((num_envs, self.joints))
@@ -163,7 +166,7 @@ class EpisodeLoop:
             action = np.where(idle[:, None], 0.0, action)
         if not self._all_ready:
             self.require_ready(np.zeros_like(self._needs_reset) if idle is None else idle)
-        action, saturated = self._limited(action)
+        action, saturated = limit_actions(action, self._full)
         command = action * self._limit
         self.commanded_torque = command
         self.physics.set_torque(self._actuators.apply(command))
@@ -175,11 +178,13 @@ class EpisodeLoop:
         self.task.complete(ground_truth)
         self.ground_truth = ground_truth
         elapsed, within_limits = self._window.elapsed, self.physics.within_limits
-        reward, info = self._score(self.task.errors(ground_truth, command), saturated, elapsed, within_limits)
+        violation = None if within_limits else self.physics.stop_violation
+        errors = self.task.errors(ground_truth, command)
+        reward, info = self._scoring(errors, ground_truth, saturated, elapsed, violation)
         truncated = elapsed >= self._horizon
         terminated = np.zeros(self.num_envs, dtype=np.bool_) if within_limits else self._diverged()
         if not self._all_ready:
-            self._score.zero_reward(reward, info, terminated)
+            self._scoring.zero_reward(reward, info, terminated)
             truncated &= ~terminated
         outcome = Step(self._observe(), reward, terminated, truncated, info)
         self._on_period(outcome)
@@ -187,14 +192,7 @@ class EpisodeLoop:
 
     def start_info(self) -> Array:
         """The `info` (N, fields) of environments at the start of an episode."""
-        return self._score.at_start()
-
-    def _limited(self, action: Array) -> tuple[Array, NDArray[np.bool_] | None]:
-        """Actions clipped to ±1, and a mask (N, joints) of those at or beyond ±1; None if there are none."""
-        inside = np.abs(action) < self._full
-        if np.count_nonzero(inside) == inside.size:
-            return action, None
-        return clip_actions(action), ~inside
+        return self._scoring.at_start(self.ground_truth)
 
     def _diverged(self) -> NDArray[np.bool_]:
         """Which environments left the declared bounds in this step (N); they need a reset."""
@@ -239,6 +237,25 @@ class EpisodeLoop:
             raise EpisodeError(
                 f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
             )
+
+    def period_parts(self) -> PeriodParts:
+        """The parts whose formulas make up a control period, besides the physics."""
+        parts = (self._actuators, self._sensors, self._scoring)
+        return PeriodParts(self.task.parts.errors, *parts, self.torque_limit)
+
+    def run_episodes(self, alike: "EpisodeLoop", controller: Any, observation: Array) -> EpisodeRecord | None:
+        """Run whole episodes with a compiled controller; see `prp_gym.envs.core.compiled_run`.
+
+        Args:
+            alike: Loop of one such environment, which has been reset.
+            controller: `CompiledController`.
+            observation: Observations (N, size).
+        """
+        return run_episodes(self, PeriodSource(alike), controller, observation)
+
+    def references_ahead(self, periods: int) -> Array:
+        """The reference part of the observations (periods, N, size) in the next periods."""
+        return np.ascontiguousarray(self.task.reference(self._window.times_ahead(periods)))
 
     @property
     def action_size(self) -> int:

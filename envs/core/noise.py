@@ -45,5 +45,13 @@ class WhiteNoise:
         for index in np.flatnonzero(self._steps % _BLOCK == 0):
             self._refill(index)
 
+    def ahead(self, steps: int) -> Array:
+        """The numbers (steps, N, size) of this step and of those after it; goes on by as many steps."""
+        values = np.empty((steps, *self._values.shape[1:]))
+        for row in values:
+            row[...] = self.current
+            self.advance()
+        return values
+
     def _refill(self, index: np.intp) -> None:
         self._values[:, index] = self._rngs[index].standard_normal(self._values.shape[::2])

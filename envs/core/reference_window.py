@@ -66,6 +66,11 @@ class ReferenceWindow:
         row: Array = self._rows[self._tick - self._first]
         return row
 
+    def times_ahead(self, periods: int) -> Array:
+        """Times since the start of each episode (periods, N) in the next periods [s]."""
+        times: Array = (np.arange(1, periods + 1)[:, None] + self._elapsed) * self._period
+        return times
+
     def check_times(self, horizon: int) -> None:
         """Refuse times that no episode has.
 

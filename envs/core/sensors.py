@@ -1,7 +1,9 @@
 """Sensors, which turn the ground truth into observations: exact, or with force-sensor noise and bias."""
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,18 @@ class Sensors(ABC):
     def read(self, observation: Array) -> None:
         """Turn true values (N, size) into readings, in place; errors change with `advance` only."""
 
+    def without_noise(self) -> Self:
+        """A copy of the formulas, without the random numbers."""
+        return copy.copy(self)
+
+    @abstractmethod
+    def errors_ahead(self, periods: int) -> Array | None:
+        """The errors (periods, N, 3) of the force in the next periods, which are over then; None for none."""
+
+    @abstractmethod
+    def disturb(self, observation: Array, error: Array | None) -> None:
+        """Add errors (N, 3) of the force to true values (N, size), in place."""
+
 
 class IdealSensors(Sensors):
     """Sensors that read the true values."""
@@ -42,6 +56,13 @@ class IdealSensors(Sensors):
 
     def read(self, observation: Array) -> None:
         """See `Sensors.read`: the true values stay."""
+
+    def errors_ahead(self, periods: int) -> Array | None:
+        """See `Sensors.errors_ahead`: none."""
+        return None
+
+    def disturb(self, observation: Array, error: Array | None) -> None:
+        """See `Sensors.disturb`: the true values stay."""
 
 
 class NoisyForceSensor(Sensors):
@@ -72,7 +93,26 @@ class NoisyForceSensor(Sensors):
 
     def read(self, observation: Array) -> None:
         """Add bias and noise to the contact force."""
-        observation[:, self._force_index] += self._bias + self._deviation * self._noise.current
+        self.disturb(observation, self._bias + self._deviation * self._noise.current)
+
+    def without_noise(self) -> Self:
+        """See `Sensors.without_noise`."""
+        own: Any = copy.copy(self)
+        own._noise = own._bias = None
+        return own  # type: ignore[no-any-return]
+
+    def errors_ahead(self, periods: int) -> Array | None:
+        """See `Sensors.errors_ahead`."""
+        noise = np.empty((periods, *self._bias.shape))
+        for row in noise:
+            self._noise.advance()
+            row[...] = self._noise.current
+        errors: Array = self._bias + self._deviation * noise
+        return errors
+
+    def disturb(self, observation: Array, error: Array | None) -> None:
+        """See `Sensors.disturb`."""
+        observation[:, self._force_index] += error
 
 
 def make_sensors(scenario: Scenario, layout: ObservationLayout, num_envs: int) -> Sensors:

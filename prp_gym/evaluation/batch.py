@@ -1,18 +1,16 @@
 """Episodes of many seeds, simulated side by side."""
 
-import time
 from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import seeding
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
+from prp_gym.evaluation.compiled_batch import begin, record_compiled, time_one
 from prp_gym.evaluation.policy_output import check_output
 from prp_gym.evaluation.recorder import Recorder
 from prp_gym.evaluation.rollout import Policy, Rollout, check_environment, inner_time
-from prp_gym.robot.arrays import Array
 
 _TIMED = 64  # actions on which the compute time of a policy is measured
 _SIDE_BY_SIDE = 64  # episodes at most; bounds the memory
@@ -39,7 +37,8 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
     """Run one episode for each seed, side by side, and record them.
 
     Each episode is the one that the environment itself would run with that seed. The policy computes all
-    actions in one call; its compute time is measured on single observations from time to time.
+    actions in one call; its compute time is measured on single observations from time to time. With the
+    compiled engine, a controller of this suite runs within the compiled code, with the same results.
 
     Args:
         policy: policy whose `predict` takes (N, size) observations.
@@ -56,15 +55,15 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
     inner: Any = check_environment(env)
     rollouts: list[Rollout] = []
     for first in range(0, len(seeds), _SIDE_BY_SIDE):
-        rollouts += _record(policy, inner, seeds[first : first + _SIDE_BY_SIDE])
+        some = seeds[first : first + _SIDE_BY_SIDE]
+        rollouts += record_compiled(policy, inner, some) or _record(policy, inner, some)
     return rollouts
 
 
 def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     """Episodes of an environment, side by side."""
-    loop, everyone = inner.make_loop(len(seeds)), np.ones(len(seeds), dtype=np.bool_)
-    rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
-    observation = loop.reset(np.arange(len(seeds)), rngs, {})
+    loop, rngs, observation = begin(inner, seeds)
+    everyone = np.ones(len(seeds), dtype=np.bool_)
     horizon, recorder, times = inner.config.horizon, Recorder(inner, loop), []
     shape = tuple(inner.action_space.shape)
     state, starts = None, everyone
@@ -72,7 +71,7 @@ def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     with recorder.listening():
         for index in range(horizon):
             if index in pauses:
-                times.append(_time_one(policy, observation[0]) + inner_time(loop))
+                times.append(time_one(policy, observation[0]) + inner_time(loop))
             output = policy.predict(observation, state, episode_start=starts, deterministic=True)
             action, state = check_output(policy, output, (len(seeds), *shape))
             step = loop.step(np.asarray(action, dtype=np.float64))
@@ -83,8 +82,3 @@ def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     return [recorder.rollout(row, int(seed), np.array(times)) for row, seed in enumerate(seeds)]
 
 
-def _time_one(policy: Policy, observation: Array) -> float:
-    """How long a policy takes for the first action of one environment [s]."""
-    before = time.perf_counter()
-    policy.predict(observation, None, episode_start=np.array([True]), deterministic=True)
-    return time.perf_counter() - before

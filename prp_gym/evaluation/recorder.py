@@ -32,6 +32,19 @@ class Recorder:
         self._ended = np.full(rows, -1)
         self._ground_truth[0] = loop.ground_truth
 
+    def take_episodes(self, record: Any) -> None:
+        """Take whole episodes that compiled code has run.
+
+        Args:
+            record: `EpisodeRecord` of the loop.
+        """
+        self._ground_truth, self._torque, self._applied, self._info = (
+            np.swapaxes(values, 0, 1)
+            for values in (record.ground_truth, record.command, record.applied, record.info)
+        )
+        self._count = len(self._torque)
+        self._ended = np.where(record.ended > 0, record.ended, -1)
+
     @contextmanager
     def listening(self) -> Iterator[None]:
         """Record every period that the loop simulates in the context."""

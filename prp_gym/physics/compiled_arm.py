@@ -44,7 +44,7 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
         self.parameters = NOMINAL
         size = MEASUREMENT_SIZE + (3 if self.settings.surface else 0)
         super().__init__(arm_source(self.settings.timestep), size, num_simulations, num_threads)
-        self._world.stops, self._world.surface = self.settings.joint_stops, self.settings.surface
+        self.world.stops, self.world.surface = self.settings.joint_stops, self.settings.surface
         self._plants, self._surfaces = Plants(num_simulations), Surfaces(num_simulations)
         self._begin(self._plants.rows, self._surfaces.rows)
 
@@ -87,7 +87,7 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
     ) -> None:
         """See `ArmSimulation.set_dynamics`."""
         self._plants.set(ids, mass_factor, viscous_friction, coulomb_friction)
-        self._world.friction = self._plants.have_coulomb_friction
+        self.world.friction = self._plants.have_coulomb_friction
 
     def in_mujoco(self, simulation: int) -> Physics:
         """See `CompiledSimulation.in_mujoco`."""
@@ -106,7 +106,7 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
     def _restore_fields(self, kept: Mapping[str, Array]) -> None:
         self._plants.restore(kept)
         self._surfaces.restore(kept)
-        self._world.friction = self._plants.have_coulomb_friction
+        self.world.friction = self._plants.have_coulomb_friction
 
     def _arguments(self) -> tuple[Any, ...]:
         return self.settings, self.num_simulations, self.num_threads

@@ -3,7 +3,7 @@
 import ctypes
 import os
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, ClassVar
 
@@ -54,6 +54,11 @@ class CompiledSimulation(Simulation):
         num_simulations: Number of simulations N, at least 1.
         num_threads: Number of worker threads; 0 uses all cores.
 
+    Attributes:
+        source: C source of the simulation.
+        world: what the simulated world has.
+        arrays: arrays of the arguments of `prp_advance` by name, which stay the same.
+
     Raises:
         InvalidValueError: fewer than one simulation.
         CompilerError: this machine has neither the compiled code nor a compiler.
@@ -67,6 +72,7 @@ class CompiledSimulation(Simulation):
         self.num_simulations = num_simulations
         self.num_threads = num_threads or (os.cpu_count() or 1)
         self.measurement_size = measurement_size
+        self.source = source
         self._function = load_library(source).prp_advance
         self._function.restype = ctypes.c_int
         shape = (num_simulations, self.joint_count)
@@ -77,7 +83,7 @@ class CompiledSimulation(Simulation):
         self._within_limits = True
         self._threads: ThreadPoolExecutor | None = None
         self._process = os.getpid()
-        self._world = CompiledWorld()
+        self.world = CompiledWorld()
         self.watch(np.full(2 * self.joint_count, np.inf))
 
     def _begin(self, plants: Array, surfaces: Array) -> None:
@@ -88,9 +94,22 @@ class CompiledSimulation(Simulation):
             surfaces: rows of surfaces (N, any).
         """
         rows = (self._position, self._velocity, self._torque, plants, surfaces)
-        arrays: tuple[NDArray[Any], ...] = (*rows, self._measured, self._beyond, self._lost)
-        self._addresses = tuple(ctypes.c_void_p(array.ctypes.data) for array in arrays)
+        names = ("position", "velocity", "torque", "plants", "surfaces", "measured", "beyond", "lost")
+        values: tuple[NDArray[Any], ...] = (*rows, self._measured, self._beyond, self._lost)
+        self.arrays = dict(zip(names, values, strict=True))
+        self._addresses = tuple(ctypes.c_void_p(array.ctypes.data) for array in values)
         self.advance(0)
+
+    def run(self, function: Callable[[int, int], Any], substeps: int) -> None:
+        """Advance by a compiled function that calls `prp_advance`, with the threads of the simulations.
+
+        Args:
+            function: function of the first row and the number of rows, which returns whether all are within
+                limits at the end.
+            substeps: number of time steps of a call of `prp_advance`.
+        """
+        self.world.substeps = substeps
+        self._within_limits = all(self._over_rows(function))
 
     @abstractmethod
     def _fields(self) -> dict[str, Array]:
@@ -106,19 +125,21 @@ class CompiledSimulation(Simulation):
 
     def advance(self, substeps: int) -> None:
         """See `Simulation.advance`; no substeps measure the present state."""
-        self._world.substeps = substeps
+        self.world.substeps = substeps
+        self._within_limits = all(self._over_rows(self._advance_rows))
+
+    def _over_rows(self, function: Callable[[int, int], Any]) -> list[Any]:
+        """The results of a function of the first row and the number of rows, over all rows in parts."""
         workers = min(self.num_threads, max(1, self.num_simulations // _LEAST_ROWS))
         if workers == 1:
-            self._within_limits = bool(self._advance_rows(0, self.num_simulations))
-        else:
-            edges = np.linspace(0, self.num_simulations, workers + 1).astype(int).tolist()
-            parts = zip(edges[:-1], np.diff(edges).tolist(), strict=True)
-            inside = list(self._pool(workers).map(lambda part: self._advance_rows(*part), parts))
-            self._within_limits = all(inside)
+            return [function(0, self.num_simulations)]
+        edges = np.linspace(0, self.num_simulations, workers + 1).astype(int).tolist()
+        parts = zip(edges[:-1], np.diff(edges).tolist(), strict=True)
+        return list(self._pool(workers).map(lambda part: function(*part), parts))
 
     def _advance_rows(self, first: int, count: int) -> int:
         result: int = self._function(
-            ctypes.c_long(first), ctypes.c_long(count), ctypes.byref(self._world), *self._addresses
+            ctypes.c_long(first), ctypes.c_long(count), ctypes.byref(self.world), *self._addresses
         )
         return result
 
@@ -159,7 +180,7 @@ class CompiledSimulation(Simulation):
     def watch(self, bound: Array) -> None:
         """See `Simulation.watch`."""
         self._watched = bound
-        self._world.bound[: len(bound)] = np.minimum(bound, _LARGEST).tolist()
+        self.world.bound[: len(bound)] = np.minimum(bound, _LARGEST).tolist()
 
     @property
     def within_limits(self) -> bool:

@@ -10,7 +10,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from prp_gym.errors import DataDependentBranchError, UntraceableError, shortened
 from prp_gym.symbolic.graph import Graph, Node
-from prp_gym.symbolic.operations import AND, NOT_EQUAL, OPERATIONS, OR, WHERE, Operation
+from prp_gym.symbolic.operations import AND, NOT_EQUAL, OPERATIONS, OR, SINGLE, WHERE, Operation
 
 _OF_UFUNC = {operation.ufunc: operation for operation in OPERATIONS}
 _OF_UFUNC |= {np.bitwise_and: AND, np.bitwise_or: OR, np.invert: _OF_UFUNC[np.logical_not]}
@@ -86,6 +86,17 @@ class SymbolicArray(NDArrayOperatorsMixin):
         """As that of an array."""
         return self._like(self.nodes.copy())
 
+    def astype(self, dtype: Any) -> Self:
+        """As that of an array: rounded to single precision, or truth values as numbers or numbers as these."""
+        kind = np.dtype(dtype)
+        if kind == np.float32:
+            return self._like(elementwise(self.graph, SINGLE, self.numbers()))
+        if kind == np.float64:
+            return self.numbers()
+        if kind == np.bool_:
+            return self._booleans()
+        raise untraceable(f"the conversion to {kind}")
+
     def reshape(self, *shape: Any) -> Self:
         """As that of an array."""
         return self._like(self.nodes.reshape(*shape))
@@ -144,8 +155,17 @@ class SymbolicArray(NDArrayOperatorsMixin):
     def __bool__(self) -> bool:
         if self.size == 1 and (node := self.flat()[0]).is_constant:
             return bool(node.value)
+        self.graph.undecided = tuple(self.flat())
         branch = f"a branch on {shortened(self)} cannot be traced into compiled code"
         raise DataDependentBranchError(f"{branch}; write numpy.where in its place.")
+
+    def __float__(self) -> float:
+        if self.size == 1 and (node := self.flat()[0]).is_constant:
+            return node.value
+        self.graph.undecided = tuple(self.flat())
+        raise DataDependentBranchError(
+            f"the conversion of {shortened(self)} to a number cannot be traced into compiled code."
+        )
 
     def __array__(self, *_: Any, **__: Any) -> Any:
         raise untraceable("the conversion of unknown numbers to an array of numbers")

@@ -50,11 +50,17 @@ def _broadcast_arrays(graph: Graph, *arrays: Any) -> list[SymbolicArray]:
     return [SymbolicArray(graph, array) for array in nodes]
 
 
+def _count_nonzero(_: Graph, values: Any, axis: int | None = None) -> SymbolicArray:
+    counted: SymbolicArray = values.astype(np.bool_).sum(axis=axis)
+    return counted
+
+
 ARRAY_FUNCTIONS: dict[Any, Callable[..., Any]] = {
     np.broadcast_arrays: _broadcast_arrays,
     np.broadcast_to: _rearranged(lambda nodes, shape: np.broadcast_to(nodes, shape).copy()),
     np.clip: _clip,
     np.concatenate: _joined(np.concatenate),
+    np.count_nonzero: _count_nonzero,
     np.copy: _rearranged(np.copy),
     np.diagonal: _rearranged(np.diagonal),
     np.empty_like: _zeros_like,

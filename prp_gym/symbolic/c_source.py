@@ -1,6 +1,7 @@
 """C code of symbolic functions: straight-line arithmetic that needs the mathematical library alone."""
 
 from collections.abc import Iterable
+from functools import lru_cache
 
 from prp_gym.symbolic.function import SymbolicFunction
 from prp_gym.symbolic.graph import Node
@@ -10,6 +11,7 @@ PREAMBLE = f"#include <math.h>\n\n{C_FUNCTIONS}"
 """What stands once before the functions of a file."""
 
 
+@lru_cache(maxsize=256)
 def c_function(function: SymbolicFunction, linkage: str = "static inline") -> str:
     """A C function that computes a symbolic function, with the same operations in the same order.
 

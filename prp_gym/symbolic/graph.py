@@ -79,10 +79,12 @@ class Graph:
 
     Attributes:
         nodes: all nodes, in an order in which every node stands after its arguments.
+        undecided: nodes of the condition on which a formula last branched and which was not known.
     """
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
+        self.undecided: tuple[Node, ...] = ()
         self._constants: dict[str, Node] = {}
         self._inputs: dict[str, Node] = {}
         self._results: dict[tuple[Operation, tuple[Node, ...]], Node] = {}

@@ -93,6 +93,12 @@ COPY_SIGN: Operation = Operation(
 SIGN: Operation = Operation("sign", np.sign, "(double)(({0} > 0.0) - ({0} < 0.0))")
 FLOOR: Operation = Operation("floor", np.floor, "floor({0})")
 ROUND: Operation = Operation("rint", np.rint, "rint({0})")
+SINGLE: Operation = Operation(
+    "single",
+    lambda value: np.float64(np.float32(value)),
+    "(double)(float){0}",
+    lambda g, _, a: (g,),  # of the number that is rounded
+)
 REMAINDER: Operation = Operation(
     "remainder",
     np.remainder,

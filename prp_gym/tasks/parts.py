@@ -170,9 +170,12 @@ class ErrorFunction(ABC):
 
     Attributes:
         unobserved_fields: Quantities that are recorded and used beside the observation, but not observed.
+        state_arrays: Names of the attributes in which the function keeps numbers from one period to the next,
+            arrays, each with its axis of environments. Compiled code keeps no others.
     """
 
     unobserved_fields: ClassVar[tuple[Field, ...]] = ()
+    state_arrays: ClassVar[Mapping[str, int]] = {}
 
     @property
     def target_impedance(self) -> Mapping[str, Array]:

@@ -1,0 +1,185 @@
+"""The C source of control periods: actuators, sensors, errors and reward, traced, around the physics."""
+
+import ctypes
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from prp_gym.envs.core.argument_checks import limit_actions
+from prp_gym.envs.core.period_parts import PeriodParts
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import zeros
+from prp_gym.robot.link import Link
+from prp_gym.symbolic.c_source import c_function
+from prp_gym.symbolic.lifting import LiftedFunction, numbers_of, trace_method
+from prp_gym.symbolic.state_arrays import StateRows, attributes
+from prp_gym.tasks.fields import ObservationLayout
+
+CONSTANTS = (PRPArm, Link, ObservationLayout)
+"""Classes of objects whose numbers are constants of compiled code."""
+
+LARGEST_STATE = 256
+"""Largest number of components of a controller's state."""
+
+CONTROLLER = ctypes.CFUNCTYPE(None, *(ctypes.c_void_p,) * 6)
+"""A compiled controller: observation, state, input and numbers -> action and state."""
+
+_ARRAYS = (
+    *("position", "velocity", "torque", "plants", "surfaces", "measured", "beyond"),
+    *("task_numbers", "controller_numbers", "input", "noise", "reference", "error"),
+    *("clock", "memory", "state", "action", "observation"),
+    *("ground_truth", "command", "applied", "info", "reward"),
+)
+_COUNTS = ("rows", "periods", "record", "state_size", "input_size", "numbers_size")
+_HAND_WRITTEN = Path(__file__).with_name("compiled_period.c")
+
+
+class Plan(ctypes.Structure):
+    """`prp_plan` of the C code: the arrays of N environments, and what is to be done.
+
+    Attributes:
+        controller: function that chooses the actions; null where they are given.
+        world: world of the simulations.
+        lost: whether an environment was lost, see `prp_advance`.
+        ended: see `prp_run`.
+        rows: number of environments.
+        periods: number of periods.
+        record: whether every period is recorded.
+        state_size: size of the controller's state.
+        input_size: size of an environment's input to the controller.
+        numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
+        position: arrays of the simulations, to `beyond`; see `prp_advance`.
+        task_numbers: numbers of the task.
+        controller_numbers: numbers of the controller.
+        input: input of the controller, which stays the same in all periods.
+        noise: torque noise of every period; null without any.
+        reference: reference of every period.
+        error: error of the force sensor in every period; null without any.
+        clock: control periods since the start of each episode.
+        memory: what task and actuators keep from one period to the next.
+        state: state of the controller.
+        action: actions.
+        observation: observations.
+        ground_truth: recorded ground truth, of every period in the rows of an environment.
+        command: recorded torque command.
+        applied: recorded applied torques.
+        info: recorded `info`.
+        reward: recorded reward.
+    """
+
+    _fields_: ClassVar = [
+        *((name, ctypes.c_void_p) for name in ("controller", "world", "lost", "ended")),
+        *((name, ctypes.c_long) for name in _COUNTS),
+        *((name, ctypes.c_void_p) for name in _ARRAYS),
+    ]
+
+
+def _plan_text() -> str:
+    """`Plan` in C."""
+    arrays = ", ".join(f"*{name}" for name in _ARRAYS)
+    return f"""
+typedef void (*prp_controller)(
+    const double *observation, const double *state, const double *input, const double *numbers,
+    double *action, double *after);
+typedef struct {{
+    prp_controller controller;
+    const prp_world *world;
+    unsigned char *lost;
+    long *ended;
+    long {", ".join(_COUNTS)};
+    double {arrays};
+}} prp_plan;
+"""
+
+
+class PeriodSource:
+    """Compiled control periods of a task in certain conditions.
+
+    Args:
+        loop: loop of one such environment, which has been reset.
+
+    Attributes:
+        numbers: numbers of the task (P).
+        rows: rows of what task and actuators keep from one period to the next.
+        text: C source with the function `prp_run`.
+
+    Raises:
+        UntraceableError: errors that use more than arithmetic on arrays, or keep undeclared values.
+    """
+
+    def __init__(self, loop: Any) -> None:
+        task, measured = loop.task, loop.physics.measurement_size
+        self._parts = loop.period_parts().without_noise()
+        self.rows = StateRows(self._parts.owners)
+        self._sizes = {
+            "joints": loop.joints,
+            "measured": measured,
+            "reference": task.layout.size - measured,
+            "observed": task.layout.size,
+            "ground_truth": task.ground_truth_layout.size,
+            "info": len(loop.info_fields),
+            "memory": self.rows.size,
+            "largest_state": LARGEST_STATE,
+        }
+        self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
+        self.numbers = numbers_of(self._parts, CONSTANTS)
+        self.text = self._source(loop.physics.source)
+
+    def _source(self, physics: str) -> str:
+        functions = (self._traced_actuators(), self._traced_judge())
+        sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())
+        texts = (c_function(traced.function) for traced in functions)
+        loop = _HAND_WRITTEN.read_text(encoding="utf-8")
+        return "\n".join(["#include <string.h>", physics, sizes, _plan_text(), *texts, loop])
+
+    def _traced_actuators(self) -> LiftedFunction:
+        """From actions to torques."""
+        joints = self._sizes["joints"]
+
+        def actuate(parts: PeriodParts, action: Any, noise: Any, memory: Any) -> Mapping[str, Any]:
+            with self._kept(parts, memory) as kept:
+                within, saturated = limit_actions(action, np.ones((1, joints)))
+                command = within * parts.torque_limit
+                torque = parts.actuators.transmit(command, noise)
+            flags: Any = saturated
+            results = {"command": command, "torque": torque, "saturated": flags.astype(np.float64)}
+            return {**results, "after": kept()}
+
+        shapes = {"action": (1, joints), "noise": (1, joints), "memory": (1, self.rows.size)}
+        return trace_method("prp_actuate", actuate, self._parts, shapes, CONSTANTS, self._kind)
+
+    def _traced_judge(self) -> LiftedFunction:
+        """From the measurement to ground truth, observation, reward and `info`."""
+        sizes = self._sizes
+
+        def judge(parts: PeriodParts, memory: Any, **given: Any) -> Mapping[str, Any]:
+            truth = zeros((1, sizes["ground_truth"]), memory)
+            truth[:, : sizes["measured"]] = given["measured"]
+            truth[:, sizes["measured"] : sizes["observed"]] = given["reference"]
+            with self._kept(parts, memory) as kept:
+                parts.errors.advance(truth)
+                parts.errors.complete(truth)
+            errors = parts.errors.errors(truth, given["command"])
+            reward, info = parts.scoring(errors, truth, given["saturated"], given["clock"], given["beyond"])
+            parts.scoring.zero_reward(reward, info, given["ended"] != 0.0)
+            observation = truth[:, : sizes["observed"]].copy()
+            parts.sensors.disturb(observation, given["error"])
+            results = {"ground_truth": truth, "observation": observation, "reward": reward, "info": info}
+            return {**results, "after": kept()}
+
+        joints = (1, sizes["joints"])
+        shapes = {"measured": (1, sizes["measured"]), "reference": (1, sizes["reference"])}
+        shapes |= {"command": joints, "saturated": joints, "clock": (1,), "beyond": joints, "ended": (1,)}
+        shapes |= {"error": (1, 3), "memory": (1, sizes["memory"])}
+        return trace_method("prp_judge", judge, self._parts, shapes, CONSTANTS, self._kind)
+
+    @contextmanager
+    def _kept(self, parts: PeriodParts, memory: Any) -> Iterator[Callable[[], Any]]:
+        """Give parts what they keep, refuse any other change of them, and yield a reader of what they keep."""
+        self.rows.write(parts.owners, memory)
+        before = [attributes(owner) for owner in parts.owners]
+        yield lambda: self.rows.read(parts.owners)
+        self.rows.require_unchanged(parts.owners, before)

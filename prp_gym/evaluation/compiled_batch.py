@@ -1,0 +1,61 @@
+"""Episodes of many seeds that compiled code runs with the controller in it."""
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.utils import seeding
+
+from prp_gym.errors import UntraceableError
+from prp_gym.evaluation.compiled_controller import CompiledController
+from prp_gym.evaluation.recorder import Recorder
+from prp_gym.evaluation.rollout import Policy, Rollout
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.setup import COMPILED
+
+_TIMED = 16  # actions on which the compute time of a policy is measured
+
+
+def runs_compiled(policy: object, inner: Any) -> bool:
+    """Whether compiled code can run a policy in an environment, if the formulas of both can be traced."""
+    if not getattr(policy, "compiled", False) or not getattr(policy, "batched", False):
+        return False
+    return bool(inner.config.engine == COMPILED and inner.action_mode == "torque")
+
+
+def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout] | None:
+    """Run one episode for each seed in compiled code, and record them; see `record_episodes`.
+
+    Returns:
+        the episodes; None where the policy or the environment is not one that compiled code can run, or
+        where an action was not finite.
+    """
+    if not runs_compiled(policy, inner):
+        return None
+    loop, _, observation = begin(inner, seeds)
+    times = [time_one(policy, observation[0]) for _ in range(_TIMED)]
+    recorder = Recorder(inner, loop)
+    try:
+        controller = CompiledController(policy, observation)
+        record = loop.run_episodes(begin(inner, (0,))[0], controller, observation)
+    except UntraceableError:
+        return None
+    if record is None:
+        return None
+    recorder.take_episodes(record)
+    return [recorder.rollout(row, int(seed), np.array(times)) for row, seed in enumerate(seeds)]
+
+
+def begin(inner: Any, seeds: Sequence[int]) -> tuple[Any, list[np.random.Generator], Array]:
+    """A loop of one environment for each seed, which was reset; its generators and its observations."""
+    rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
+    loop = inner.make_loop(len(seeds))
+    return loop, rngs, loop.reset(np.arange(len(seeds)), rngs, {})
+
+
+def time_one(policy: Policy, observation: Array) -> float:
+    """How long a policy takes for the first action of one environment [s]."""
+    before = time.perf_counter()
+    policy.predict(observation, None, episode_start=np.array([True]), deterministic=True)
+    return time.perf_counter() - before

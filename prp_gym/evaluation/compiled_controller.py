@@ -1,0 +1,69 @@
+"""`CompiledController`: the formulas of a controller as a compiled function."""
+
+import ctypes
+from typing import Any
+
+import numpy as np
+
+from prp_gym.robot.arm import PRPArm
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.link import Link
+from prp_gym.symbolic.c_source import PREAMBLE, c_function
+from prp_gym.symbolic.compiler import load_library
+from prp_gym.symbolic.lifting import numbers_of, trace_method
+from prp_gym.symbolic.state_arrays import attributes, require_same
+from prp_gym.tasks.fields import ObservationLayout
+
+CONSTANTS = (PRPArm, Link, ObservationLayout)
+"""Classes of objects whose numbers are constants of compiled code."""
+
+_NAME = "prp_controller_act"
+
+
+class CompiledController:
+    """A controller as a compiled function: observation, state, input and numbers -> action and state.
+
+    Args:
+        controller: controller with the methods `initial_state` and `act` of a baseline.
+        observation: first observations (N, size).
+
+    Attributes:
+        numbers: numbers of the controller (P), its gains among them.
+        initial_state: state at the start of an episode (N, size).
+        function: address of the compiled function.
+
+    Raises:
+        UntraceableError: a controller that uses more than arithmetic on arrays.
+        CompilerError: no compiler.
+    """
+
+    def __init__(self, controller: Any, observation: Array) -> None:
+        layout = controller.interface.layout
+        state = controller.initial_state(layout.split(observation))
+        self._shapes = [part.shape[1:] for part in state]
+        self._kinds = [part.dtype for part in state]
+        rows = [part.reshape(len(observation), -1).astype(np.float64) for part in state]
+        self.initial_state = np.concatenate([np.zeros((len(observation), 0)), *rows], axis=1)
+        self.numbers = numbers_of(controller, CONSTANTS)
+        shapes = {"observation": (1, layout.size), "state": (1, self.initial_state.shape[1]), "input": (1, 0)}
+        kind = "act", tuple(self._shapes), tuple(map(str, self._kinds))
+        traced = trace_method(_NAME, self._act, controller, shapes, CONSTANTS, kind)
+        source = f"{PREAMBLE}\n{c_function(traced.function, linkage='')}"
+        self._library = load_library(source)
+        self.function = ctypes.cast(self._library[_NAME], ctypes.c_void_p)
+
+    def _act(self, controller: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
+        """The traced formula."""
+        observed = {
+            name: observation[..., part] for name, part in controller.interface.layout.slices.items()
+        }
+        parts, first = [], 0
+        for shape, kind in zip(self._shapes, self._kinds, strict=True):
+            last = first + int(np.prod(shape, dtype=np.intp))
+            parts.append(state[:, first:last].reshape((1, *shape)).astype(kind))
+            first = last
+        before = attributes(controller)
+        action, after = controller.act(observed, tuple(parts))
+        require_same(controller, before)
+        flat = [part.astype(np.float64).reshape((1, -1)) for part in after]
+        return {"action": action, "after": np.concatenate(flat, axis=1) if flat else state}

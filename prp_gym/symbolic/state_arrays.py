@@ -1,0 +1,123 @@
+"""Arrays that objects keep from one period to the next, as one row of numbers for each environment."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from prp_gym.errors import UntraceableError
+from prp_gym.symbolic.array import SymbolicArray
+
+
+class Stateful(Protocol):
+    """What keeps arrays.
+
+    Attributes:
+        state_arrays: names of the attributes, each with its axis of environments.
+    """
+
+    state_arrays: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class StateArray:
+    """One array in a row.
+
+    Attributes:
+        owner: position of the object in a sequence of objects.
+        name: name of the attribute.
+        axis: axis of environments.
+        shape: shape of one environment's part.
+        boolean: whether it holds truth values.
+        columns: columns of the row.
+    """
+
+    owner: int
+    name: str
+    axis: int
+    shape: tuple[int, ...]
+    boolean: bool
+    columns: slice
+
+
+class StateRows:
+    """The arrays of several objects as rows.
+
+    Args:
+        owners: objects whose arrays have the shapes of an episode.
+
+    Attributes:
+        arrays: the arrays in the order of the columns.
+        size: number of columns.
+    """
+
+    def __init__(self, owners: Sequence[Stateful]) -> None:
+        self.arrays: list[StateArray] = []
+        self.size = 0
+        for index, owner in enumerate(owners):
+            for name, axis in owner.state_arrays.items():
+                values = getattr(owner, name)
+                shape = values.shape[:axis] + values.shape[axis + 1 :]
+                last = self.size + int(np.prod(shape, dtype=np.intp))
+                boolean = values.dtype == np.bool_
+                self.arrays.append(StateArray(index, name, axis, shape, boolean, slice(self.size, last)))
+                self.size = last
+
+    def read(self, owners: Sequence[Any]) -> Any:
+        """The rows (N, size) of arrays, of numbers or symbolic."""
+        parts = []
+        for array in self.arrays:
+            values = getattr(owners[array.owner], array.name)
+            moved = np.moveaxis(values.astype(np.float64), array.axis, 0)
+            parts.append(moved.reshape((moved.shape[0], -1)))
+        return np.concatenate(parts, axis=1) if parts else np.zeros((1, 0))
+
+    def write(self, owners: Sequence[Any], rows: Any) -> None:
+        """Replace the arrays by those in rows (N, size), of numbers or symbolic."""
+        for array in self.arrays:
+            part = rows[:, array.columns].reshape((len(rows), *array.shape))
+            values = np.moveaxis(part, 0, array.axis)
+            setattr(owners[array.owner], array.name, values.astype(np.bool_) if array.boolean else values.copy())
+
+    def require_unchanged(self, owners: Sequence[Any], before: Sequence[Mapping[str, Any]]) -> None:
+        """Refuse objects that keep something else than their declared arrays.
+
+        Args:
+            owners: objects after a period.
+            before: what `attributes` returned before it.
+
+        Raises:
+            UntraceableError: an object with another attribute that the period has changed.
+        """
+        for index, (owner, known) in enumerate(zip(owners, before, strict=True)):
+            require_same(owner, known, {array.name for array in self.arrays if array.owner == index})
+
+
+def require_same(owner: Any, before: Mapping[str, Any], declared: Collection[str] = ()) -> None:
+    """Refuse an object that a formula has changed.
+
+    Args:
+        owner: object after the formula has run.
+        before: what `attributes` returned before.
+        declared: names of attributes that may change.
+
+    Raises:
+        UntraceableError: an object with another attribute that has changed.
+    """
+    for name, value in attributes(owner).items():
+        if name not in declared and (name not in before or not _same(value, before[name])):
+            kept = f"{type(owner).__name__} keeps {name!r} from one call to the next"
+            raise UntraceableError(f"{kept}, which cannot be traced into compiled code.")
+
+
+def attributes(owner: Any) -> dict[str, Any]:
+    """The attributes of an object, with the nodes of symbolic arrays."""
+    return {
+        name: tuple(value.flat()) if isinstance(value, SymbolicArray) else value
+        for name, value in vars(owner).items()
+    }
+
+
+def _same(left: Any, right: Any) -> bool:
+    return left == right if isinstance(left, tuple) and isinstance(right, tuple) else left is right
