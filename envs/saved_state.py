@@ -100,6 +100,7 @@ def restore_loop(state: LoopState, loop: EpisodeLoop) -> Array:
     except Exception as error:  # whatever the parts of a damaged state raise
         loop.physics.restore(before.physics)
         vars(loop).update(before.rest)
+        loop.load()
         raise InvalidValueError(_WHAT, str(error), "one that is not damaged") from error
     return observation
 

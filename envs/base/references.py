@@ -1,6 +1,6 @@
 """References of the arm: motions of its joints or of its pose, and desired forces."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -108,6 +108,7 @@ class ForceAndPoseReference(PoseSpaceReference):
     """Motions of the pose, each with a constant desired force by the tip on the surface."""
 
     fields = (*POSE_REFERENCE_FIELDS, DESIRED_FORCE)
+    state_arrays: ClassVar[Mapping[str, int]] = {"_forces": 0}
 
     def __init__(self, arm: PRPArm) -> None:
         super().__init__(arm)

@@ -98,7 +98,7 @@ class RealisticActuators(Actuators):
 
     def noise_ahead(self, periods: int) -> Array | None:
         """See `Actuators.noise_ahead`."""
-        return self._noise.ahead(periods) * self._deviation
+        return self._noise.next_steps(periods, with_present=True) * self._deviation
 
     def transmit(self, command: Array, noise: Array | None) -> Array:
         """See `Actuators.transmit`."""

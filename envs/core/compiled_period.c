@@ -8,6 +8,18 @@ static inline int prp_finite(const double *values, int count)
     return finite;
 }
 
+/* The present reference of one environment. */
+static inline void prp_refer_at(const prp_plan *plan, long row, long at)
+{
+    double *reference = plan->reference + PRP_REFERENCE * row;
+    if (plan->sampled)
+        memcpy(reference, plan->sampled + PRP_REFERENCE * at, sizeof(double) * PRP_REFERENCE);
+#if PRP_REFERENCE_NUMBERS
+    else
+        prp_refer(plan->clock + row, plan->reference_numbers + PRP_REFERENCE_NUMBERS * row, reference);
+#endif
+}
+
 /* One period of one environment after the action was chosen. Returns whether all is within limits.
 
    at: row of the period and environment in what is given for every period; to: in what is recorded. */
@@ -28,8 +40,9 @@ static inline int prp_period(const prp_plan *plan, long row, long at, long to)
         plan->measured, plan->beyond, plan->lost);
     const double ended = plan->lost[row];
     plan->clock[row] += 1.0;
+    prp_refer_at(plan, row, at);
     prp_judge(
-        plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * at, command, saturated,
+        plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row, command, saturated,
         plan->clock + row, plan->beyond + PRP_JOINTS * row, &ended, error, transmitted, plan->task_numbers,
         plan->ground_truth + PRP_GROUND_TRUTH * to, plan->observation + PRP_OBSERVED * row,
         plan->reward + to, plan->info + PRP_INFO * to, judged);

@@ -15,16 +15,17 @@ from prp_gym.envs.base.error_observation import ErrorObservation
 from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
 from prp_gym.envs.core.argument_checks import check_ids, limit_actions
-from prp_gym.envs.core.compiled_run import EpisodeRecord, run_episodes
+from prp_gym.envs.core.compiled_run import CompiledPeriods
+from prp_gym.envs.core.episode_record import EpisodeRecord
 from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.period_parts import PeriodParts
-from prp_gym.envs.core.period_source import PeriodSource
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
-from prp_gym.errors import EpisodeError, ShapeError
+from prp_gym.errors import EpisodeError, ShapeError, UntraceableError
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.setup import COMPILED
 from prp_gym.tasks.task import Task
 
 _LARGEST_SEED = 2**63
@@ -61,7 +62,7 @@ class EpisodeLoop:
         self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
         self._on_period: Callable[[Step], None] = _ignore
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
-        self._scoring = StepScoring(task, num_envs, config.control_frequency)
+        self._scoring = StepScoring(task, config.control_frequency)
         self.info_fields = self._scoring.info_fields
         self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
         self._sensors = make_sensors(task.scenario, task.layout, num_envs)
@@ -75,6 +76,8 @@ class EpisodeLoop:
         self.physics.watch(bound)
         self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
         self._substeps = config.substeps
+        self._compiled: CompiledPeriods | None = None
+        self._may_compile = config.engine == COMPILED
         self._errors = ErrorObservation(task.layout, task.model) if config.observation == ERRORS else None
         self.observation_layout = task.layout if self._errors is None else self._errors.layout
         self._lay_out()
@@ -112,6 +115,7 @@ class EpisodeLoop:
             PRPError: a start or goal that the task refuses.
         """
         check_ids(ids, self.num_envs, started=self.started)
+        self._store()
         starts, plants, seeds = [], [], []
         for row, rng in enumerate(rngs):
             starts.append(self.task.draw(rng, {name: values[row] for name, values in options.items()}))
@@ -131,7 +135,24 @@ class EpisodeLoop:
         self._all_ready = not self._needs_reset.any()
         self.ground_truth = self._measure()
         self.task.complete(self.ground_truth)
+        self.load()
         return self._viewed(self._begun(ids))
+
+    def load(self) -> None:
+        """Let compiled code go on from the present state, with the compiled engine."""
+        if not self._may_compile:
+            return
+        try:
+            self._compiled = self._compiled or CompiledPeriods(self)
+        except UntraceableError:  # formulas of a task of another package, which NumPy computes
+            self._may_compile = False
+            return
+        self._compiled.load()
+
+    def _store(self) -> None:
+        """Let the loop's parts know what compiled code has kept."""
+        if self._compiled is not None:
+            self._compiled.store()
 
     def _begun(self, ids: NDArray[np.intp]) -> Array:
         """The fields of the task as the sensors read them, after some environments have begun an episode."""
@@ -166,6 +187,8 @@ class EpisodeLoop:
             action = np.where(idle[:, None], 0.0, action)
         if not self._all_ready:
             self.require_ready(np.zeros_like(self._needs_reset) if idle is None else idle)
+        if self._compiled is not None:
+            return self._advance_compiled(action)
         action, saturated = limit_actions(action, self._full)
         command = action * self._limit
         self.commanded_torque = command
@@ -187,6 +210,20 @@ class EpisodeLoop:
             self._scoring.zero_reward(reward, info, terminated)
             truncated &= ~terminated
         outcome = Step(self._observe(), reward, terminated, truncated, info)
+        self._on_period(outcome)
+        return outcome
+
+    def _advance_compiled(self, action: Array) -> Step:
+        """Advance by one control period in compiled code, see `_advance`."""
+        assert self._compiled is not None
+        limit_actions(action, self._full)  # refuses NaN and infinity
+        outcome = self._compiled.step(action)
+        if not self.physics.within_limits:
+            outcome = outcome._replace(terminated=self._diverged())
+        if not self._all_ready:
+            outcome.truncated[outcome.terminated] = False
+            which, observation = self._needs_reset, outcome.observation
+            observation[which] = np.clip(observation[which], self._space.low, self._space.high)
         self._on_period(outcome)
         return outcome
 
@@ -243,15 +280,19 @@ class EpisodeLoop:
         parts = (self._actuators, self._sensors, self._scoring)
         return PeriodParts(self.task.parts.errors, *parts, self.torque_limit)
 
-    def run_episodes(self, alike: "EpisodeLoop", controller: Any, observation: Array) -> EpisodeRecord | None:
-        """Run whole episodes with a compiled controller; see `prp_gym.envs.core.compiled_run`.
+    @property
+    def window(self) -> ReferenceWindow:
+        """The episodes' clocks and present references."""
+        return self._window
+
+    def run_episodes(self, controller: Any, observation: Array) -> EpisodeRecord | None:
+        """Run whole episodes with a compiled controller; see `CompiledPeriods.run_episodes`.
 
         Args:
-            alike: Loop of one such environment, which has been reset.
             controller: `CompiledController`.
             observation: Observations (N, size).
         """
-        return run_episodes(self, PeriodSource(alike), controller, observation)
+        return None if self._compiled is None else self._compiled.run_episodes(controller, observation)
 
     def references_ahead(self, periods: int) -> Array:
         """The reference part of the observations (periods, N, size) in the next periods."""
@@ -293,6 +334,7 @@ class EpisodeLoop:
         rest = copy.deepcopy(state.rest)
         self.physics.restore(state.physics)
         self.__dict__.update(rest)
+        self.load()
         return self._viewed(self._restored())
 
     def _restored(self) -> Array:
@@ -301,6 +343,7 @@ class EpisodeLoop:
 
     def current_state(self) -> LoopState:
         """The complete state of the environments, whose arrays change with them."""
+        self._store()
         return LoopState(self.physics.snapshot(), {name: getattr(self, name) for name in self.state_names})
 
 

@@ -45,13 +45,34 @@ class WhiteNoise:
         for index in np.flatnonzero(self._steps % _BLOCK == 0):
             self._refill(index)
 
-    def ahead(self, steps: int) -> Array:
-        """The numbers (steps, N, size) of this step and of those after it; goes on by as many steps."""
-        values = np.empty((steps, *self._values.shape[1:]))
-        for row in values:
-            row[...] = self.current
-            self.advance()
+    def next_steps(self, steps: int, *, with_present: bool) -> Array:
+        """The numbers of many steps, and go on by as many.
+
+        Args:
+            steps: Number of steps.
+            with_present: Whether the first of them is the present step, or the one after it.
+
+        Returns:
+            (steps, N, size).
+        """
+        values, done = np.empty((steps, *self._values.shape[1:])), 0
+        while done < steps:
+            if not with_present:
+                self.advance()
+            block = self._block(steps - done)
+            values[done : done + len(block)] = block
+            self._steps += len(block) - 1
+            done += len(block)
+            if with_present:
+                self.advance()
         return values
+
+    def _block(self, most: int) -> Array:
+        """Numbers from the present step on (n, N, size), for as long as they are drawn, but at most some."""
+        first = int(self._steps[0]) % _BLOCK
+        if (self._steps != self._steps[0]).any():
+            return self.current[None]
+        return self._values[first : first + most]
 
     def _refill(self, index: np.intp) -> None:
         self._values[:, index] = self._rngs[index].standard_normal(self._values.shape[::2])

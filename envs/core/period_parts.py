@@ -1,17 +1,22 @@
 """`PeriodParts`: the parts whose formulas make up a control period."""
 
 import copy
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
+
+import numpy as np
 
 from prp_gym.envs.core.actuators import Actuators
 from prp_gym.envs.core.sensors import Sensors
 from prp_gym.envs.core.step_scoring import StepScoring
+from prp_gym.errors import UntraceableError
 from prp_gym.robot.arrays import Array
-from prp_gym.tasks.parts import ErrorFunction
+from prp_gym.symbolic.state_arrays import StateRows
+from prp_gym.tasks.parts import ErrorFunction, Reference
+from prp_gym.tasks.trajectory import Trajectory
 
 
 class PeriodParts(NamedTuple):
-    """The parts of a control period, besides the physics.
+    """The parts of a control period, besides reference and physics.
 
     Attributes:
         errors: Error function of the task.
@@ -32,12 +37,61 @@ class PeriodParts(NamedTuple):
         """The parts that keep numbers from one period to the next."""
         return self.errors, self.actuators
 
-    def without_noise(self) -> Self:
-        """Copies that hold no random numbers, and whose attributes may be replaced."""
-        return type(self)(
+    def formulas(self) -> Self:
+        """Copies without random numbers and without what is kept, whose attributes may be replaced."""
+        parts = type(self)(
             copy.copy(self.errors),
             self.actuators.without_noise(),
             self.sensors.without_noise(),
-            self.scoring,
+            self.scoring.with_fresh_reward(),
             self.torque_limit,
         )
+        StateRows(self.owners).clear(parts.owners)
+        return parts
+
+
+class ReferenceRows:
+    """What tells the reference of one environment from those of others, as rows of numbers.
+
+    Args:
+        reference: Reference in which every environment has begun an episode.
+
+    Attributes:
+        size: Number of columns.
+
+    Raises:
+        UntraceableError: a reference with other attributes than declared arrays.
+    """
+
+    def __init__(self, reference: Reference) -> None:
+        known = {"_trajectory", *reference.state_arrays}
+        for name, value in vars(reference).items():
+            if isinstance(value, (np.ndarray, float, list, dict)) and name not in known:
+                raise UntraceableError(
+                    f"{type(reference).__name__}.{name}, which is not among its state_arrays, cannot be traced."
+                )
+        self._formulas = copy.copy(reference)
+        self._arrays = StateRows((reference,))
+        self._shapes = {name: value.shape[1:] for name, value in vars(reference.trajectory).items()}
+        self.size = self.read(reference).shape[1]
+
+    def read(self, reference: Reference) -> Array:
+        """The rows (N, size) of the references."""
+        values = [value.reshape(len(value), -1) for value in vars(reference.trajectory).values()]
+        if self._arrays.size:
+            values.append(self._arrays.read((reference,)))
+        return np.concatenate(values, axis=1)
+
+    def formula(self, row: Any) -> Reference:
+        """A reference of one environment, of symbolic numbers (1, size)."""
+        made: Any = copy.copy(self._formulas)
+        trajectory: Trajectory = copy.copy(made.trajectory)
+        first = 0
+        for name, shape in self._shapes.items():
+            last = first + int(np.prod(shape, dtype=np.intp))
+            object.__setattr__(trajectory, name, row[:, first:last].reshape((1, *shape)))
+            first = last
+        made._trajectory = trajectory
+        self._arrays.write((made,), row[:, first:])
+        reference: Reference = made
+        return reference

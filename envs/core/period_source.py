@@ -1,20 +1,22 @@
 """The C source of control periods: actuators, sensors, errors and reward, traced, around the physics."""
 
 import ctypes
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from prp_gym.envs.core.argument_checks import limit_actions
-from prp_gym.envs.core.period_parts import PeriodParts
+from prp_gym.envs.core.period_parts import PeriodParts, ReferenceRows
+from prp_gym.errors import UntraceableError
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import zeros
 from prp_gym.robot.link import Link
 from prp_gym.symbolic.c_source import c_function
-from prp_gym.symbolic.lifting import LiftedFunction, numbers_of, trace_method
+from prp_gym.symbolic.function import SymbolicFunction, trace
+from prp_gym.symbolic.lifting import numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import StateRows, attributes
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -29,7 +31,8 @@ CONTROLLER = ctypes.CFUNCTYPE(None, *(ctypes.c_void_p,) * 6)
 
 _ARRAYS = (
     *("position", "velocity", "torque", "plants", "surfaces", "measured", "beyond"),
-    *("task_numbers", "controller_numbers", "input", "noise", "reference", "error"),
+    *("task_numbers", "reference_numbers", "controller_numbers", "input"),
+    *("noise", "error", "sampled", "reference"),
     *("clock", "memory", "state", "action", "observation"),
     *("ground_truth", "command", "applied", "info", "reward"),
 )
@@ -53,11 +56,13 @@ class Plan(ctypes.Structure):
         numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
         position: arrays of the simulations, to `beyond`; see `prp_advance`.
         task_numbers: numbers of the task.
+        reference_numbers: numbers of each environment's reference.
         controller_numbers: numbers of the controller.
         input: input of the controller, which stays the same in all periods.
         noise: torque noise of every period; null without any.
-        reference: reference of every period.
         error: error of the force sensor in every period; null without any.
+        sampled: reference of every period; null where it is computed.
+        reference: present reference.
         clock: control periods since the start of each episode.
         memory: what task and actuators keep from one period to the next.
         state: state of the controller.
@@ -99,11 +104,12 @@ class PeriodSource:
     """Compiled control periods of a task in certain conditions.
 
     Args:
-        loop: loop of one such environment, which has been reset.
+        loop: loop of such environments, all of which have been reset.
 
     Attributes:
         numbers: numbers of the task (P).
         rows: rows of what task and actuators keep from one period to the next.
+        references: rows of the references; None where these cannot be traced and are sampled ahead.
         text: C source with the function `prp_run`.
 
     Raises:
@@ -112,8 +118,9 @@ class PeriodSource:
 
     def __init__(self, loop: Any) -> None:
         task, measured = loop.task, loop.physics.measurement_size
-        self._parts = loop.period_parts().without_noise()
-        self.rows = StateRows(self._parts.owners)
+        self._parts = loop.period_parts().formulas()
+        self._period = 1.0 / loop.config.control_frequency
+        self.rows = StateRows(loop.period_parts().owners)
         self._sizes = {
             "joints": loop.joints,
             "measured": measured,
@@ -126,16 +133,32 @@ class PeriodSource:
         }
         self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
         self.numbers = numbers_of(self._parts, CONSTANTS)
-        self.text = self._source(loop.physics.source)
+        self.references: ReferenceRows | None = None
+        functions = [self._traced_actuators(), self._traced_judge(), *self._traced_reference(task)]
+        self._sizes["reference_numbers"] = self.references.size if self.references else 0
+        self.text = self._source(loop.physics.source, functions)
 
-    def _source(self, physics: str) -> str:
-        functions = (self._traced_actuators(), self._traced_judge())
+    def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
         sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())
-        texts = (c_function(traced.function) for traced in functions)
         loop = _HAND_WRITTEN.read_text(encoding="utf-8")
-        return "\n".join(["#include <string.h>", physics, sizes, _plan_text(), *texts, loop])
+        return "\n".join(
+            ["#include <string.h>", physics, sizes, _plan_text(), *map(c_function, functions), loop]
+        )
 
-    def _traced_actuators(self) -> LiftedFunction:
+    def _traced_reference(self, task: Any) -> list[SymbolicFunction]:
+        """From time to reference, where it can be traced and branches on none of its numbers."""
+        with suppress(UntraceableError):
+            rows = ReferenceRows(task.parts.reference)
+
+            def refer(clock: Any, row: Any) -> Mapping[str, Any]:
+                return {"reference": rows.formula(row).sample(clock * self._period)}
+
+            function = trace("prp_refer", refer, {"clock": (1,), "row": (1, rows.size)})
+            self.references = rows
+            return [function]
+        return []
+
+    def _traced_actuators(self) -> SymbolicFunction:
         """From actions to torques."""
         joints = self._sizes["joints"]
 
@@ -149,9 +172,9 @@ class PeriodSource:
             return {**results, "after": kept()}
 
         shapes = {"action": (1, joints), "noise": (1, joints), "memory": (1, self.rows.size)}
-        return trace_method("prp_actuate", actuate, self._parts, shapes, CONSTANTS, self._kind)
+        return trace_method("prp_actuate", actuate, self._parts, shapes, CONSTANTS, self._kind).function
 
-    def _traced_judge(self) -> LiftedFunction:
+    def _traced_judge(self) -> SymbolicFunction:
         """From the measurement to ground truth, observation, reward and `info`."""
         sizes = self._sizes
 
@@ -174,7 +197,7 @@ class PeriodSource:
         shapes = {"measured": (1, sizes["measured"]), "reference": (1, sizes["reference"])}
         shapes |= {"command": joints, "saturated": joints, "clock": (1,), "beyond": joints, "ended": (1,)}
         shapes |= {"error": (1, 3), "memory": (1, sizes["memory"])}
-        return trace_method("prp_judge", judge, self._parts, shapes, CONSTANTS, self._kind)
+        return trace_method("prp_judge", judge, self._parts, shapes, CONSTANTS, self._kind).function
 
     @contextmanager
     def _kept(self, parts: PeriodParts, memory: Any) -> Iterator[Callable[[], Any]]:

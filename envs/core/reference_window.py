@@ -66,6 +66,16 @@ class ReferenceWindow:
         row: Array = self._rows[self._tick - self._first]
         return row
 
+    def hold(self, elapsed: Array, current: Array) -> None:
+        """Take over arrays that others keep up to date from now on, in place of `advance`.
+
+        Args:
+            elapsed: Whole periods since the start of each episode (N).
+            current: Present reference (N, size).
+        """
+        self._elapsed, self._rows = elapsed, current[None]
+        self._first, self._length = self._tick, 1
+
     def times_ahead(self, periods: int) -> Array:
         """Times since the start of each episode (periods, N) in the next periods [s]."""
         times: Array = (np.arange(1, periods + 1)[:, None] + self._elapsed) * self._period

@@ -103,10 +103,7 @@ class NoisyForceSensor(Sensors):
 
     def errors_ahead(self, periods: int) -> Array | None:
         """See `Sensors.errors_ahead`."""
-        noise = np.empty((periods, *self._bias.shape))
-        for row in noise:
-            self._noise.advance()
-            row[...] = self._noise.current
+        noise = self._noise.next_steps(periods, with_present=False)
         errors: Array = self._bias + self._deviation * noise
         return errors
 

@@ -1,6 +1,7 @@
 """Reward, costs and `info` of a step of N environments."""
 
-from typing import Any
+import copy
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +23,13 @@ class StepScoring:
 
     Args:
         task: Task that declares the reward terms and the fields.
-        num_envs: Number of environments N.
         frequency: Control frequency [Hz].
 
     Attributes:
         info_fields: Columns of `info`.
     """
 
-    def __init__(self, task: Task, num_envs: int, frequency: float) -> None:
+    def __init__(self, task: Task, frequency: float) -> None:
         self._reward = Reward(task.numbers.reward)
         terms = [
             InfoField(f"reward_{term.name}", "1", f"reward from {term.name}", AVERAGED)
@@ -39,9 +39,7 @@ class StepScoring:
         self._force = task.layout.slices.get("contact_force", slice(0))
         self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._has_contact else ()))
         bound = float(task.numbers.constants.get("force_bound", np.inf))
-        self._force_bound = np.full(num_envs, bound)
-        self._frequency = np.full(num_envs, frequency)
-        self._shape = (num_envs, len(self.info_fields))
+        self._force_bound, self._frequency = bound, frequency
         self._terms = np.s_[:, : len(terms)]
         names = [field.name for field in self.info_fields]
         self._column = {name: np.s_[:, index] for index, name in enumerate(names)}
@@ -67,7 +65,7 @@ class StepScoring:
         Returns:
             Reward (N) and `info` (N, fields).
         """
-        info = zeros(self._shape, errors)
+        info = zeros((len(errors), len(self.info_fields)), errors)
         contributions = self._reward(errors)
         info[self._terms] = contributions
         np.divide(elapsed, self._frequency, out=info[self._time])
@@ -83,10 +81,16 @@ class StepScoring:
 
     def at_start(self, ground_truth: Array) -> Array:
         """The `info` (N, fields) at the start of an episode: the contact force there; all else is zero."""
-        info = np.zeros(self._shape)
+        info = np.zeros((len(ground_truth), len(self.info_fields)))
         if self._has_contact:
             info[self._column["contact_force"]] = norm(ground_truth[:, self._force])
         return info
+
+    def with_fresh_reward(self) -> Self:
+        """A copy that has scored nothing yet, for any number of environments."""
+        own = copy.copy(self)
+        own._reward = Reward(self._reward.terms)
+        return own
 
     def zero_reward(self, reward: Array, info: Array, rows: NDArray[np.bool_]) -> None:
         """Set the reward of some environments (a mask of N) and its terms in `info` to zero, in place."""

@@ -38,7 +38,7 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     recorder = Recorder(inner, loop)
     try:
         controller = CompiledController(policy, observation)
-        record = loop.run_episodes(begin(inner, (0,))[0], controller, observation)
+        record = loop.run_episodes(controller, observation)
     except UntraceableError:
         return None
     if record is None:

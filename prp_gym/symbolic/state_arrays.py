@@ -73,6 +73,11 @@ class StateRows:
             parts.append(moved.reshape((moved.shape[0], -1)))
         return np.concatenate(parts, axis=1) if parts else np.zeros((1, 0))
 
+    def clear(self, owners: Sequence[Any]) -> None:
+        """Remove the arrays from objects."""
+        for array in self.arrays:
+            setattr(owners[array.owner], array.name, None)
+
     def write(self, owners: Sequence[Any], rows: Any) -> None:
         """Replace the arrays by those in rows (N, size), of numbers or symbolic."""
         for array in self.arrays:

@@ -117,9 +117,12 @@ class Reference(ABC):
 
     Attributes:
         fields: Observed quantities of the reference.
+        state_arrays: Names of the attributes that hold numbers of the episodes besides their trajectories,
+            arrays, each with its axis of environments.
     """
 
     fields: ClassVar[tuple[Field, ...]]
+    state_arrays: ClassVar[Mapping[str, int]] = {}
 
     def __init__(self) -> None:
         self._trajectory: Trajectory | None = None
@@ -170,8 +173,8 @@ class ErrorFunction(ABC):
 
     Attributes:
         unobserved_fields: Quantities that are recorded and used beside the observation, but not observed.
-        state_arrays: Names of the attributes in which the function keeps numbers from one period to the next,
-            arrays, each with its axis of environments. Compiled code keeps no others.
+        state_arrays: Names of the attributes that hold numbers of the episodes or of their present state,
+            arrays, each with its axis of environments. Compiled code knows no others.
     """
 
     unobserved_fields: ClassVar[tuple[Field, ...]] = ()
