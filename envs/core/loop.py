@@ -149,6 +149,15 @@ class EpisodeLoop:
             return
         self._compiled.load()
 
+    def __getstate__(self) -> dict[str, Any]:
+        self._store()
+        return {**self.__dict__, "_compiled": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if self.started:
+            self.load()
+
     def _store(self) -> None:
         """Let the loop's parts know what compiled code has kept."""
         if self._compiled is not None:
