@@ -60,7 +60,9 @@ class ForceErrors(ErrorFunction):
     def _measure(self, ground_truth: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The relative force error along the desired force (N), and whether the tip touches (N)."""
         force, desired = ground_truth[:, self._force], ground_truth[:, self._desired_force]
-        if len(force) == 1 and not is_symbolic(force):  # numbers are faster than small arrays, with the same bits
+        if len(force) == 1 and not is_symbolic(
+            force
+        ):  # numbers are faster than small arrays, with the same bits
             f, f_d = force[0].tolist(), desired[0].tolist()
             error = 1.0 - sum_of_products(f, f_d) / sum_of_products(f_d, f_d)
             return np.array([error]), np.array([math.sqrt(sum_of_products(f, f)) > CONTACT_THRESHOLD])

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.envs.core.argument_checks import limit_actions
 from prp_gym.envs.core.episode_record import EpisodeRecord
 from prp_gym.envs.core.period_source import LARGEST_STATE, PeriodSource, Plan
 from prp_gym.envs.core.step import Step
@@ -30,6 +31,7 @@ class CompiledPeriods:
     def __init__(self, loop: Any) -> None:
         self._loop = loop
         self._source = PeriodSource(loop)
+        self._largest = np.ones((loop.num_envs, loop.joints))
         self._function = load_library(self._source.text).prp_run
         self._plan = Plan(world=ctypes.addressof(loop.physics.world), rows=loop.num_envs, periods=1)
         self._address, self._arrays = ctypes.byref(self._plan), dict[str, NDArray[Any]]()
@@ -52,9 +54,8 @@ class CompiledPeriods:
     def _set(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Give arrays to the compiled code, and keep them."""
         for name, values in arrays.items():
-            assert values.flags.c_contiguous
-            setattr(self._plan, name, values.ctypes.data)
-            self._arrays[name] = values
+            self._arrays[name] = np.ascontiguousarray(values)
+            setattr(self._plan, name, self._arrays[name].ctypes.data)
 
     def load(self) -> None:
         """Take over what the loop's parts keep, after a reset or a restored state."""
@@ -78,9 +79,13 @@ class CompiledPeriods:
         An environment that was lost before is left as it is, and its results have no meaning.
 
         Args:
-            action: Finite actions (N, joints).
+            action: Actions (N, joints).
+
+        Raises:
+            NonFiniteError: NaN or infinity in an action; nothing is changed.
         """
         loop, arrays, parts = self._loop, self._arrays, self._loop.period_parts()
+        limit_actions(action, self._largest)
         if self._source.references is None:
             loop.window.advance(loop.task.reference)
             arrays["sampled"][:] = loop.window.current
@@ -123,7 +128,8 @@ class CompiledPeriods:
             raise UntraceableError(f"a state of {size} numbers cannot be kept in compiled code.")
         record = EpisodeRecord.of(loop, periods)
         if self._source.references is None:
-            self._set({"sampled": loop.references_ahead(periods)})
+            times = loop.window.times_ahead(periods)
+            self._set({"sampled": np.ascontiguousarray(loop.task.reference(times))})
         for name, values in (
             ("noise", parts.actuators.noise_ahead(periods)),
             ("error", parts.sensors.errors_ahead(periods)),

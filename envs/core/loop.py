@@ -197,7 +197,7 @@ class EpisodeLoop:
         if not self._all_ready:
             self.require_ready(np.zeros_like(self._needs_reset) if idle is None else idle)
         if self._compiled is not None:
-            return self._advance_compiled(action)
+            return self._watched(self._compiled.step(action))
         action, saturated = limit_actions(action, self._full)
         command = action * self._limit
         self.commanded_torque = command
@@ -222,17 +222,16 @@ class EpisodeLoop:
         self._on_period(outcome)
         return outcome
 
-    def _advance_compiled(self, action: Array) -> Step:
-        """Advance by one control period in compiled code, see `_advance`."""
-        assert self._compiled is not None
-        limit_actions(action, self._full)  # refuses NaN and infinity
-        outcome = self._compiled.step(action)
+    def _watched(self, outcome: Step) -> Step:
+        """The result of a period of compiled code, after a look at which environments have diverged in it."""
         if not self.physics.within_limits:
             outcome = outcome._replace(terminated=self._diverged())
         if not self._all_ready:
             outcome.truncated[outcome.terminated] = False
-            which, observation = self._needs_reset, outcome.observation
-            observation[which] = np.clip(observation[which], self._space.low, self._space.high)
+            which = self._needs_reset
+            outcome.observation[which] = np.clip(
+                outcome.observation[which], self._space.low, self._space.high
+            )
         self._on_period(outcome)
         return outcome
 
@@ -302,10 +301,6 @@ class EpisodeLoop:
             observation: Observations (N, size).
         """
         return None if self._compiled is None else self._compiled.run_episodes(controller, observation)
-
-    def references_ahead(self, periods: int) -> Array:
-        """The reference part of the observations (periods, N, size) in the next periods."""
-        return np.ascontiguousarray(self.task.reference(self._window.times_ahead(periods)))
 
     @property
     def action_size(self) -> int:

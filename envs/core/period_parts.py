@@ -68,7 +68,7 @@ class ReferenceRows:
         for name, value in vars(reference).items():
             if isinstance(value, (np.ndarray, float, list, dict)) and name not in known:
                 raise UntraceableError(
-                    f"{type(reference).__name__}.{name}, which is not among its state_arrays, cannot be traced."
+                    f"{type(reference).__name__}.{name} is not among its state_arrays and cannot be traced."
                 )
         self._formulas = copy.copy(reference)
         self._arrays = StateRows((reference,))

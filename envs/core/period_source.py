@@ -68,7 +68,7 @@ class Plan(ctypes.Structure):
         state: state of the controller.
         action: actions.
         observation: observations.
-        ground_truth: recorded ground truth, of every period in the rows of an environment.
+        ground_truth: recorded ground present, of every period in the rows of an environment.
         command: recorded torque command.
         applied: recorded applied torques.
         info: recorded `info`.
@@ -175,33 +175,36 @@ class PeriodSource:
         return trace_method("prp_actuate", actuate, self._parts, shapes, CONSTANTS, self._kind).function
 
     def _traced_judge(self) -> SymbolicFunction:
-        """From the measurement to ground truth, observation, reward and `info`."""
+        """From the measurement to ground present, observation, reward and `info`."""
         sizes = self._sizes
 
         def judge(parts: PeriodParts, memory: Any, **given: Any) -> Mapping[str, Any]:
-            truth = zeros((1, sizes["ground_truth"]), memory)
-            truth[:, : sizes["measured"]] = given["measured"]
-            truth[:, sizes["measured"] : sizes["observed"]] = given["reference"]
+            present = zeros((1, sizes["ground_truth"]), memory)
+            present[:, : sizes["measured"]] = given["measured"]
+            present[:, sizes["measured"] : sizes["observed"]] = given["reference"]
             with self._kept(parts, memory) as kept:
-                parts.errors.advance(truth)
-                parts.errors.complete(truth)
-            errors = parts.errors.errors(truth, given["command"])
-            reward, info = parts.scoring(errors, truth, given["saturated"], given["clock"], given["beyond"])
+                parts.errors.advance(present)
+                parts.errors.complete(present)
+            errors = parts.errors.errors(present, given["command"])
+            reward, info = parts.scoring(errors, present, given["saturated"], given["clock"], given["beyond"])
             parts.scoring.zero_reward(reward, info, given["ended"] != 0.0)
-            observation = truth[:, : sizes["observed"]].copy()
+            observation = present[:, : sizes["observed"]].copy()
             parts.sensors.disturb(observation, given["error"])
-            results = {"ground_truth": truth, "observation": observation, "reward": reward, "info": info}
+            results = {"ground_truth": present, "observation": observation, "reward": reward, "info": info}
             return {**results, "after": kept()}
 
-        joints = (1, sizes["joints"])
-        shapes = {"measured": (1, sizes["measured"]), "reference": (1, sizes["reference"])}
+        joints: tuple[int, ...] = (1, sizes["joints"])
+        shapes: dict[str, tuple[int, ...]] = {
+            "measured": (1, sizes["measured"]),
+            "reference": (1, sizes["reference"]),
+        }
         shapes |= {"command": joints, "saturated": joints, "clock": (1,), "beyond": joints, "ended": (1,)}
         shapes |= {"error": (1, 3), "memory": (1, sizes["memory"])}
         return trace_method("prp_judge", judge, self._parts, shapes, CONSTANTS, self._kind).function
 
     @contextmanager
     def _kept(self, parts: PeriodParts, memory: Any) -> Iterator[Callable[[], Any]]:
-        """Give parts what they keep, refuse any other change of them, and yield a reader of what they keep."""
+        """Give parts what they keep, yield a reader of it, and refuse any other change of them."""
         self.rows.write(parts.owners, memory)
         before = [attributes(owner) for owner in parts.owners]
         yield lambda: self.rows.read(parts.owners)

@@ -109,7 +109,7 @@ class NoisyForceSensor(Sensors):
 
     def disturb(self, observation: Array, error: Array | None) -> None:
         """See `Sensors.disturb`."""
-        observation[:, self._force_index] += error
+        observation[:, self._force_index] += np.zeros(3) if error is None else error
 
 
 def make_sensors(scenario: Scenario, layout: ObservationLayout, num_envs: int) -> Sensors:

@@ -54,9 +54,7 @@ class CompiledController:
 
     def _act(self, controller: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
         """The traced formula."""
-        observed = {
-            name: observation[..., part] for name, part in controller.interface.layout.slices.items()
-        }
+        observed = {name: observation[..., part] for name, part in controller.interface.layout.slices.items()}
         parts, first = [], 0
         for shape, kind in zip(self._shapes, self._kinds, strict=True):
             last = first + int(np.prod(shape, dtype=np.intp))

@@ -87,7 +87,7 @@ class SymbolicArray(NDArrayOperatorsMixin):
         return self._like(self.nodes.copy())
 
     def astype(self, dtype: Any) -> Self:
-        """As that of an array: rounded to single precision, or truth values as numbers or numbers as these."""
+        """As that of an array: single precision rounds, truth values become numbers and numbers these."""
         kind = np.dtype(dtype)
         if kind == np.float32:
             return self._like(elementwise(self.graph, SINGLE, self.numbers()))

@@ -17,7 +17,9 @@ class Stateful(Protocol):
         state_arrays: names of the attributes, each with its axis of environments.
     """
 
-    state_arrays: Mapping[str, int]
+    @property
+    def state_arrays(self) -> Mapping[str, int]:
+        """Names of the attributes, each with its axis of environments."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,9 @@ class StateRows:
         for array in self.arrays:
             part = rows[:, array.columns].reshape((len(rows), *array.shape))
             values = np.moveaxis(part, 0, array.axis)
-            setattr(owners[array.owner], array.name, values.astype(np.bool_) if array.boolean else values.copy())
+            setattr(
+                owners[array.owner], array.name, values.astype(np.bool_) if array.boolean else values.copy()
+            )
 
     def require_unchanged(self, owners: Sequence[Any], before: Sequence[Mapping[str, Any]]) -> None:
         """Refuse objects that keep something else than their declared arrays.

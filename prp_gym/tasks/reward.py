@@ -83,7 +83,8 @@ class Reward:
         if errors.shape != self._shape:
             self._expand(errors.shape)
         scaled = errors * self._factor
-        if scaled.ndim == 3 and len(scaled) == 1 and type(scaled) is np.ndarray:  # numbers are faster than small arrays, with the same bits
+        is_one = scaled.ndim == 3 and len(scaled) == 1 and type(scaled) is np.ndarray
+        if is_one:  # numbers are faster than small arrays, with the same bits
             rows = zip(self._shares, *scaled.tolist(), strict=True)
             return np.array([[w / (math.sqrt(sum_of_products(z, z)) + 1.0) for w, z in rows]])
         denominator = norm(scaled)
