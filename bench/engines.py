@@ -198,7 +198,17 @@ def _measured(program: Program, seconds: float) -> float:
 def table(rows: Sequence[dict[str, Any]]) -> Table:
     """The ratios of the rounds."""
     made = Table(title="rates per second of processor time", title_justify="left")
-    for header in ("what", "environment", "scenario", "rate", "reference", "ratio", "range", "goal", "result"):
+    for header in (
+        "what",
+        "environment",
+        "scenario",
+        "rate",
+        "reference",
+        "ratio",
+        "range",
+        "goal",
+        "result",
+    ):
         made.add_column(header)
     for row in rows:
         made.add_row(*(str(row[name]) for name in row))

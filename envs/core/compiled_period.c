@@ -1,9 +1,9 @@
 /* Control periods of N environments: controller, actuators, physics, sensors, errors and reward. */
 
-static inline int prp_finite(const double *values, int count)
+static inline int prp_finite(const double *values, long count)
 {
     int finite = 1;
-    for (int i = 0; i < count; i++)
+    for (long i = 0; i < count; i++)
         finite &= isfinite(values[i]);
     return finite;
 }
@@ -20,35 +20,58 @@ static inline void prp_refer_at(const prp_plan *plan, long row, long at)
 #endif
 }
 
-/* One period of one environment after the action was chosen. Returns whether all is within limits.
+/* What comes before the physics in a period of one environment: from its action to the torques.
 
    at: row of the period and environment in what is given for every period; to: in what is recorded. */
-static inline int prp_period(const prp_plan *plan, long row, long at, long to)
+static inline void prp_before(const prp_plan *plan, long row, long at, long to)
 {
-    static const double none[PRP_JOINTS + 3];
-    double saturated[PRP_JOINTS], transmitted[PRP_MEMORY + 1], judged[PRP_MEMORY + 1];
+    static const double none[PRP_JOINTS];
     double *memory = plan->memory + PRP_MEMORY * row, *torque = plan->torque + PRP_JOINTS * row;
-    double *command = plan->command + PRP_JOINTS * to;
-    const double *noise = plan->noise ? plan->noise + PRP_JOINTS * at : none;
-    const double *error = plan->error ? plan->error + 3 * at : none;
+    double after[PRP_MEMORY + 1];
     prp_actuate(
-        plan->action + PRP_JOINTS * row, noise, memory, plan->task_numbers, command, torque, saturated,
-        transmitted);
+        plan->action + PRP_JOINTS * row, plan->noise ? plan->noise + PRP_JOINTS * at : none, memory,
+        plan->task_numbers, plan->command + PRP_JOINTS * to, torque, plan->saturated + PRP_JOINTS * row, after);
+    memcpy(memory, after, sizeof(double) * PRP_MEMORY);
     memcpy(plan->applied + PRP_JOINTS * to, torque, sizeof(double) * PRP_JOINTS);
-    const int inside = prp_advance(
-        row, 1, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
-        plan->measured, plan->beyond, plan->lost);
+}
+
+/* What comes after the physics: from the measurement to observation, reward and info. */
+static inline void prp_after(const prp_plan *plan, long row, long at, long to)
+{
+    static const double none[3];
+    double *memory = plan->memory + PRP_MEMORY * row, after[PRP_MEMORY + 1];
     const double ended = plan->lost[row];
     plan->clock[row] += 1.0;
     prp_refer_at(plan, row, at);
     prp_judge(
-        plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row, command, saturated,
-        plan->clock + row, plan->beyond + PRP_JOINTS * row, &ended, error, transmitted, plan->task_numbers,
-        plan->ground_truth + PRP_GROUND_TRUTH * to, plan->observation + PRP_OBSERVED * row,
-        plan->reward + to, plan->info + PRP_INFO * to, judged);
-    memcpy(memory, judged, sizeof(double) * PRP_MEMORY);
-    return inside;
+        plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row,
+        plan->command + PRP_JOINTS * to, plan->saturated + PRP_JOINTS * row, plan->clock + row,
+        plan->beyond + PRP_JOINTS * row, &ended, plan->error ? plan->error + 3 * at : none, memory,
+        plan->task_numbers, plan->ground_truth + PRP_GROUND_TRUTH * to, plan->observation + PRP_OBSERVED * row,
+        plan->reward + to, plan->info + PRP_INFO * to, after);
+    memcpy(memory, after, sizeof(double) * PRP_MEMORY);
 }
+
+/* Whether all actions are finite. */
+int prp_actions_are_finite(const prp_plan *plan)
+{
+    return prp_finite(plan->action, PRP_JOINTS * plan->rows);
+}
+
+/* The first half of a period of all environments, and the second, where others simulate in between. */
+void prp_command(const prp_plan *plan)
+{
+    for (long row = 0; row < plan->rows; row++)
+        prp_before(plan, row, row, row);
+}
+
+void prp_score(const prp_plan *plan)
+{
+    for (long row = 0; row < plan->rows; row++)
+        prp_after(plan, row, row, row);
+}
+
+#if PRP_PHYSICS
 
 /* Periods of some environments, with a controller or with the actions that are given; see `PLAN` of
    period_source.py. Returns whether all of them are within limits at the end.
@@ -74,7 +97,12 @@ int prp_run(long first, long count, const prp_plan *plan)
                 plan->ended[row] = -(k + 1);
                 break;
             }
-            within = prp_period(plan, row, k * plan->rows + row, plan->record ? row * plan->periods + k : row);
+            const long at = k * plan->rows + row, to = plan->record ? row * plan->periods + k : row;
+            prp_before(plan, row, at, to);
+            within = prp_advance(
+                row, 1, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
+                plan->measured, plan->beyond, plan->lost);
+            prp_after(plan, row, at, to);
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }
@@ -82,3 +110,4 @@ int prp_run(long first, long count, const prp_plan *plan)
     }
     return inside;
 }
+#endif

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.core.argument_checks import limit_actions
+from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.episode_record import EpisodeRecord
 from prp_gym.envs.core.period_source import LARGEST_STATE, PeriodSource, Plan
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import UntraceableError
+from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
 
@@ -29,27 +30,36 @@ class CompiledPeriods:
     """
 
     def __init__(self, loop: Any) -> None:
-        self._loop = loop
-        self._source = PeriodSource(loop)
-        self._largest = np.ones((loop.num_envs, loop.joints))
-        self._function = load_library(self._source.text).prp_run
-        self._plan = Plan(world=ctypes.addressof(loop.physics.world), rows=loop.num_envs, periods=1)
+        self._loop, self._source = loop, PeriodSource(loop)
+        self._simulates = isinstance(loop.physics, CompiledSimulation)
+        if not (self._simulates or self._source.is_exact):
+            raise UntraceableError("formulas whose bits depend on the machine are left to NumPy.")
+        self._library = load_library(self._source.text)
+        if self._simulates:
+            self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
+        self._plan = Plan(rows=loop.num_envs, periods=1)
         self._address, self._arrays = ctypes.byref(self._plan), dict[str, NDArray[Any]]()
-        rows, layout = loop.num_envs, loop.task.layout
-        columns = {"action": loop.joints, "command": loop.joints, "applied": loop.joints}
-        columns |= {"memory": self._source.rows.size}
-        parts = loop.period_parts()
+        self._refers = self._simulates and self._source.references is not None
+        self._parts = loop.period_parts()
+        rows, parts = loop.num_envs, self._parts
+        joints = ("torque", "beyond", "action", "saturated", "command", "applied")
+        columns = dict.fromkeys(joints, loop.joints)
+        columns |= {"measured": loop.physics.measurement_size, "memory": self._source.rows.size}
+        columns |= {"observation": loop.task.layout.size, "info": len(loop.info_fields)}
+        columns |= {"reference": loop.task.layout.size - loop.physics.measurement_size}
+        columns |= {"ground_truth": loop.task.ground_truth_layout.size}
         if parts.actuators.noise_ahead(0) is not None:
             columns["noise"] = loop.joints
         if parts.sensors.errors_ahead(0) is not None:
             columns["error"] = 3
-        columns |= {"observation": layout.size, "reference": layout.size - loop.physics.measurement_size}
-        columns |= {"info": len(loop.info_fields), "ground_truth": loop.task.ground_truth_layout.size}
-        if self._source.references is not None:
+        if self._refers and self._source.references is not None:
             columns["reference_numbers"] = self._source.references.size
         self._set({name: np.zeros((rows, size)) for name, size in columns.items()})
         self._set({"clock": np.zeros(rows), "reward": np.zeros(rows), "ended": np.zeros(rows, dtype=np.intp)})
-        self._set({**loop.physics.arrays, "task_numbers": self._source.numbers})
+        self._set({"lost": np.zeros(rows, dtype=np.uint8), "task_numbers": self._source.numbers})
+        if self._simulates:
+            self._plan.world = ctypes.addressof(loop.physics.world)
+            self._set(loop.physics.arrays)
 
     def _set(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Give arrays to the compiled code, and keep them."""
@@ -59,21 +69,22 @@ class CompiledPeriods:
 
     def load(self) -> None:
         """Take over what the loop's parts keep, after a reset or a restored state."""
-        loop, arrays, references = self._loop, self._arrays, self._source.references
-        arrays["memory"][:] = self._source.rows.read(loop.period_parts().owners)
+        loop, arrays = self._loop, self._arrays
+        self._parts = loop.period_parts()
+        arrays["memory"][:] = self._source.rows.read(self._parts.owners)
         arrays["clock"][:], arrays["reference"][:] = loop.window.elapsed, loop.window.current
         arrays["ground_truth"][:] = loop.ground_truth
-        if references is None:
-            self._set({"sampled": arrays["reference"]})
-        else:
-            arrays["reference_numbers"][:] = references.read(loop.task.parts.reference)
+        if self._refers and self._source.references is not None:
+            arrays["reference_numbers"][:] = self._source.references.read(loop.task.parts.reference)
             loop.window.hold(arrays["clock"], arrays["reference"])
+        else:
+            self._set({"sampled": arrays["reference"].copy()})
 
     def store(self) -> None:
         """Hand back what the loop's parts keep."""
         self._source.rows.write(self._loop.period_parts().owners, self._arrays["memory"])
 
-    def step(self, action: Array) -> Step:
+    def step(self, action: Array) -> Step | None:
         """Advance by one period; the observations are the fields of the task.
 
         An environment that was lost before is left as it is, and its results have no meaning.
@@ -81,33 +92,68 @@ class CompiledPeriods:
         Args:
             action: Actions (N, joints).
 
+        Returns:
+            The result; None where MuJoCo's simulations have advanced, one of them has left its bounds, maybe
+            to numbers that are not finite, and NumPy has to judge the period.
+
         Raises:
             NonFiniteError: NaN or infinity in an action; nothing is changed.
         """
-        loop, arrays, parts = self._loop, self._arrays, self._loop.period_parts()
-        limit_actions(action, self._largest)
-        if self._source.references is None:
-            loop.window.advance(loop.task.reference)
-            arrays["sampled"][:] = loop.window.current
+        loop, arrays = self._loop, self._arrays
         arrays["action"][:] = action
-        for name, values in (
-            ("noise", parts.actuators.noise_ahead(1)),
-            ("error", parts.sensors.errors_ahead(1)),
-        ):
-            if values is not None:
-                arrays[name][:] = values[0]
-        self._run()
+        if not self._library.prp_actions_are_finite(self._address):
+            clip_actions(action)  # which refuses them by name
+        self._draw("noise", self._parts.actuators.noise_ahead(1))
+        if self._simulates:
+            self._prepare()
+            self._run()
+        else:
+            self._library.prp_command(self._address)
+            loop.physics.set_torque(arrays["torque"])
+            loop.physics.advance(loop.config.substeps)
+            if not self._look_at_limits():
+                self.store()
+                return None
+            self._prepare()
+            loop.physics.measure(arrays["measured"])
+            self._library.prp_score(self._address)
         loop.ground_truth, loop.commanded_torque = arrays["ground_truth"].copy(), arrays["command"].copy()
         observation, reward = arrays["observation"].copy(), arrays["reward"].copy()
         truncated = arrays["clock"] >= loop.config.horizon
-        return Step(observation, reward, np.zeros_like(truncated), truncated, arrays["info"].copy())
+        return Step(observation, reward, truncated & False, truncated, arrays["info"].copy())
+
+    def _draw(self, name: str, values: Array | None) -> None:
+        """Give the random numbers of the next period to the compiled code."""
+        if values is not None:
+            self._arrays[name][:] = values[0]
+
+    def _prepare(self) -> None:
+        """Give the sensor errors of the next period to the compiled code, and the reference if it is sampled."""
+        self._draw("error", self._parts.sensors.errors_ahead(1))
+        if not self._refers:
+            self._loop.window.advance(self._loop.task.reference)
+            self._arrays["sampled"][:] = self._loop.window.current
+
+    def _look_at_limits(self) -> bool:
+        """Note which joints are beyond their stops; whether no simulation is out of bounds."""
+        physics, beyond = self._loop.physics, self._arrays["beyond"]
+        if physics.within_limits:
+            beyond[:] = 0.0
+            return True
+        beyond[:] = physics.stop_violation
+        return not physics.out_of_bounds.any()
+
+    def commanded(self) -> tuple[Array, NDArray[np.bool_] | None]:
+        """The command and the saturation of the last period, as `EpisodeLoop.judge` takes them."""
+        saturated = self._arrays["saturated"].astype(np.bool_)
+        return self._arrays["command"].copy(), saturated if saturated.any() else None
 
     def _run(self) -> None:
-        plan, function = self._address, self._function
-        self._loop.physics.run(
-            lambda first, count: function(ctypes.c_long(first), ctypes.c_long(count), plan),
-            self._loop.config.substeps,
-        )
+        self._loop.physics.run(self._run_rows, self._loop.config.substeps)
+
+    def _run_rows(self, first: int, count: int) -> int:
+        inside: int = self._library.prp_run(first, count, self._address)
+        return inside
 
     def run_episodes(self, controller: Any, observation: Array) -> EpisodeRecord | None:
         """Run whole episodes with a compiled controller; afterwards the loop cannot be used.
@@ -122,12 +168,12 @@ class CompiledPeriods:
         Raises:
             UntraceableError: a controller whose state is too large.
         """
-        loop, plan, parts = self._loop, self._plan, self._loop.period_parts()
+        loop, plan, parts = self._loop, self._plan, self._parts
         size, periods = controller.initial_state.shape[1], loop.config.horizon
         if size > LARGEST_STATE:
             raise UntraceableError(f"a state of {size} numbers cannot be kept in compiled code.")
         record = EpisodeRecord.of(loop, periods)
-        if self._source.references is None:
+        if not self._refers:
             times = loop.window.times_ahead(periods)
             self._set({"sampled": np.ascontiguousarray(loop.task.reference(times))})
         for name, values in (

@@ -23,8 +23,9 @@ from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
-from prp_gym.errors import EpisodeError, ShapeError, UntraceableError
+from prp_gym.errors import CompilerError, EpisodeError, ShapeError, UntraceableError
 from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.compiler import compiles_by_default
 from prp_gym.tasks.setup import COMPILED
 from prp_gym.tasks.task import Task
 
@@ -77,7 +78,7 @@ class EpisodeLoop:
         self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
         self._substeps = config.substeps
         self._compiled: CompiledPeriods | None = None
-        self._may_compile = config.engine == COMPILED
+        self._may_compile = config.engine == COMPILED or compiles_by_default()
         self._errors = ErrorObservation(task.layout, task.model) if config.observation == ERRORS else None
         self.observation_layout = task.layout if self._errors is None else self._errors.layout
         self._lay_out()
@@ -147,6 +148,11 @@ class EpisodeLoop:
         except UntraceableError:  # formulas of a task of another package, which NumPy computes
             self._may_compile = False
             return
+        except CompilerError:
+            if self.config.engine == COMPILED:
+                raise
+            self._may_compile = False
+            return
         self._compiled.load()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -197,12 +203,22 @@ class EpisodeLoop:
         if not self._all_ready:
             self.require_ready(np.zeros_like(self._needs_reset) if idle is None else idle)
         if self._compiled is not None:
-            return self._watched(self._compiled.step(action))
+            outcome = self._compiled.step(action)
+            return self._watched(outcome) if outcome else self.judge(*self._compiled.commanded())
         action, saturated = limit_actions(action, self._full)
         command = action * self._limit
-        self.commanded_torque = command
         self.physics.set_torque(self._actuators.apply(command))
         self.physics.advance(self._substeps)
+        return self.judge(command, saturated)
+
+    def judge(self, command: Array, saturated: NDArray[np.bool_] | None) -> Step:
+        """The result of a period that the physics has simulated, computed by NumPy.
+
+        Args:
+            command: Commanded torques (N, joints) [N m, N, N m].
+            saturated: Which actions were at or beyond the actuator limits (N, joints); None if none was.
+        """
+        self.commanded_torque = command
         self._window.advance(self.task.reference)
         self._sensors.advance()
         ground_truth = self._measure()
@@ -220,6 +236,8 @@ class EpisodeLoop:
             truncated &= ~terminated
         outcome = Step(self._observe(), reward, terminated, truncated, info)
         self._on_period(outcome)
+        if self._compiled is not None:
+            self._compiled.load()
         return outcome
 
     def _watched(self, outcome: Step) -> Step:

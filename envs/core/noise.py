@@ -55,6 +55,10 @@ class WhiteNoise:
         Returns:
             (steps, N, size).
         """
+        if steps == 1:
+            present = self.current if with_present else None
+            self.advance()
+            return (self.current if present is None else present)[None]
         values, done = np.empty((steps, *self._values.shape[1:])), 0
         while done < steps:
             if not with_present:

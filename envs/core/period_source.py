@@ -11,10 +11,11 @@ import numpy as np
 from prp_gym.envs.core.argument_checks import limit_actions
 from prp_gym.envs.core.period_parts import PeriodParts, ReferenceRows
 from prp_gym.errors import UntraceableError
+from prp_gym.physics.compiled_simulation import WORLD, CompiledSimulation
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import zeros
 from prp_gym.robot.link import Link
-from prp_gym.symbolic.c_source import c_function
+from prp_gym.symbolic.c_source import PREAMBLE, c_function
 from prp_gym.symbolic.function import SymbolicFunction, trace
 from prp_gym.symbolic.lifting import numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import StateRows, attributes
@@ -33,7 +34,7 @@ _ARRAYS = (
     *("position", "velocity", "torque", "plants", "surfaces", "measured", "beyond"),
     *("task_numbers", "reference_numbers", "controller_numbers", "input"),
     *("noise", "error", "sampled", "reference"),
-    *("clock", "memory", "state", "action", "observation"),
+    *("clock", "memory", "state", "action", "saturated", "observation"),
     *("ground_truth", "command", "applied", "info", "reward"),
 )
 _COUNTS = ("rows", "periods", "record", "state_size", "input_size", "numbers_size")
@@ -67,6 +68,7 @@ class Plan(ctypes.Structure):
         memory: what task and actuators keep from one period to the next.
         state: state of the controller.
         action: actions.
+        saturated: whether an action is at a limit of its actuator, 0 or 1.
         observation: observations.
         ground_truth: recorded ground present, of every period in the rows of an environment.
         command: recorded torque command.
@@ -110,7 +112,9 @@ class PeriodSource:
         numbers: numbers of the task (P).
         rows: rows of what task and actuators keep from one period to the next.
         references: rows of the references; None where these cannot be traced and are sampled ahead.
-        text: C source with the function `prp_run`.
+        is_exact: whether every machine gives the bits of NumPy, references apart.
+        text: C source with the functions `prp_command` and `prp_score`, and with `prp_run` if the physics is
+            compiled, too.
 
     Raises:
         UntraceableError: errors that use more than arithmetic on arrays, or keep undeclared values.
@@ -130,13 +134,16 @@ class PeriodSource:
             "info": len(loop.info_fields),
             "memory": self.rows.size,
             "largest_state": LARGEST_STATE,
+            "physics": int(isinstance(loop.physics, CompiledSimulation)),
         }
         self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
         self.numbers = numbers_of(self._parts, CONSTANTS)
         self.references: ReferenceRows | None = None
         functions = [self._traced_actuators(), self._traced_judge(), *self._traced_reference(task)]
         self._sizes["reference_numbers"] = self.references.size if self.references else 0
-        self.text = self._source(loop.physics.source, functions)
+        self.is_exact = all(function.is_exact for function in functions[:2])
+        physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}"
+        self.text = self._source(physics, functions)
 
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
         sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())

@@ -5,6 +5,7 @@ import os
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any, ClassVar
 
 import mujoco
@@ -16,6 +17,9 @@ from prp_gym.physics.abstract_simulation import PhysicsState, Simulation
 from prp_gym.physics.model_fields import Ids, check_rows
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
+
+WORLD = Path(__file__).with_name("compiled_world.h").read_text(encoding="utf-8")
+"""The declaration of `CompiledWorld` in C."""
 
 _LEAST_ROWS = 64  # simulations for each thread, below which starting it takes longer than it saves
 _LARGEST = 1e10  # bound of positions and velocities, beyond which MuJoCo, too, gives up
@@ -109,7 +113,10 @@ class CompiledSimulation(Simulation):
             substeps: number of time steps of a call of `prp_advance`.
         """
         self.world.substeps = substeps
-        self._within_limits = all(self._over_rows(function))
+        if self.num_simulations < 2 * _LEAST_ROWS:
+            self._within_limits = bool(function(0, self.num_simulations))
+        else:
+            self._within_limits = all(self._over_rows(function))
 
     @abstractmethod
     def _fields(self) -> dict[str, Array]:

@@ -43,6 +43,17 @@ def find_compiler() -> tuple[str, ...]:
     raise _failure("none was found: install gcc or clang, or: pip install ziglang")
 
 
+def compiles_by_default() -> bool:
+    """Whether compiled code stands in for equal code of NumPy: unless `$PRP_GYM_COMPILED` is 0, with a compiler."""
+    if os.environ.get("PRP_GYM_COMPILED") == "0":
+        return False
+    try:
+        find_compiler()
+    except CompilerError:
+        return False
+    return True
+
+
 def cache_folder() -> Path:
     """The folder of compiled libraries: `$PRP_GYM_CACHE`, or `prp_gym` in the user's folder of caches."""
     given = os.environ.get("PRP_GYM_CACHE")

@@ -29,6 +29,11 @@ class SymbolicFunction:
         """Everything that has to be computed, in order."""
         return reached(node for array in self.outputs.values() for node in array.flat())
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether every machine gives the same bits, which sines and the like may differ in."""
+        return all(node.operation is None or node.operation.exact for node in self.nodes())
+
     def evaluate(self, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """The results of numbers, one operation of NumPy after the other; slow, for tests.
 

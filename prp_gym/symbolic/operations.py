@@ -28,6 +28,7 @@ class Operation:
         boolean: whether the result is a truth value.
         scalar: function of `math` where NumPy's last bit depends on the kind of CPU; None elsewhere.
         commutes: whether the order of the two arguments is irrelevant.
+        exact: whether every machine and library rounds the result alike, as IEEE 754 demands.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Operation:
     boolean: bool = False
     scalar: Callable[..., float] | None = None
     commutes: bool = False
+    exact: bool = True
 
     def evaluate(self, *values: float) -> float:
         """The result of numbers."""
@@ -71,8 +73,10 @@ DIVIDE: Operation = Operation(
     "divide", np.divide, "(double){0} / {1}", lambda g, y, a, b: (g / b, -(g * y) / b)
 )
 NEGATIVE: Operation = Operation("negative", np.negative, "-{0}", lambda g, _, a: (-g,))
-SINE: Operation = Operation("sin", np.sin, "sin({0})", lambda g, _, a: (g * _apply(COSINE, a),))
-COSINE: Operation = Operation("cos", np.cos, "cos({0})", lambda g, _, a: (-(g * _apply(SINE, a)),))
+SINE: Operation = Operation("sin", np.sin, "sin({0})", lambda g, _, a: (g * _apply(COSINE, a),), exact=False)
+COSINE: Operation = Operation(
+    "cos", np.cos, "cos({0})", lambda g, _, a: (-(g * _apply(SINE, a)),), exact=False
+)
 SQUARE_ROOT: Operation = Operation(
     "sqrt",
     np.sqrt,
@@ -80,9 +84,15 @@ SQUARE_ROOT: Operation = Operation(
     # at zero, where a length has no derivative, zero stands between those of its two sides
     lambda g, y, a: (_choose(_apply(GREATER, y, 0.0), g / (y + y), 0.0),),
 )
-EXPONENTIAL: Operation = Operation("exp", np.exp, "exp({0})", lambda g, y, a: (g * y,), scalar=math.exp)
-LOGARITHM: Operation = Operation("log", np.log, "log({0})", lambda g, _, a: (g / a,), scalar=math.log)
-ARC_TANGENT: Operation = Operation("arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent, scalar=math.atan2)
+EXPONENTIAL: Operation = Operation(
+    "exp", np.exp, "exp({0})", lambda g, y, a: (g * y,), scalar=math.exp, exact=False
+)
+LOGARITHM: Operation = Operation(
+    "log", np.log, "log({0})", lambda g, _, a: (g / a,), scalar=math.log, exact=False
+)
+ARC_TANGENT: Operation = Operation(
+    "arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent, scalar=math.atan2, exact=False
+)
 ABSOLUTE: Operation = Operation("absolute", np.absolute, "fabs({0})", lambda g, _, a: (g * _apply(SIGN, a),))
 COPY_SIGN: Operation = Operation(
     "copysign",
