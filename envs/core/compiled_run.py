@@ -128,7 +128,7 @@ class CompiledPeriods:
             self._arrays[name][:] = values[0]
 
     def _prepare(self) -> None:
-        """Give the sensor errors of the next period to the compiled code, and the reference if it is sampled."""
+        """Give the sensor errors of the next period to the compiled code, and a sampled reference."""
         self._draw("error", self._parts.sensors.errors_ahead(1))
         if not self._refers:
             self._loop.window.advance(self._loop.task.reference)

@@ -44,7 +44,7 @@ def find_compiler() -> tuple[str, ...]:
 
 
 def compiles_by_default() -> bool:
-    """Whether compiled code stands in for equal code of NumPy: unless `$PRP_GYM_COMPILED` is 0, with a compiler."""
+    """Whether compiled code stands in for NumPy: with a compiler, unless `$PRP_GYM_COMPILED` is 0."""
     if os.environ.get("PRP_GYM_COMPILED") == "0":
         return False
     try:
