@@ -4,93 +4,21 @@ A controller holds gains, a task scales and bounds. Where these are inputs and n
 function serves every controller and every task of a kind, and it has derivatives by its gains.
 """
 
-import copy
-import pickle
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from types import FunctionType, MethodType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import DataDependentBranchError
+from prp_gym.errors import DataDependentBranchError, UntraceableError, shortened
 from prp_gym.symbolic.array import SymbolicArray
 from prp_gym.symbolic.function import SymbolicFunction, Symbols
 from prp_gym.symbolic.graph import Graph, Node, reached
+from prp_gym.symbolic.number_walk import NumberWalk
 
 Formula = Callable[..., Mapping[str, Any]]
 _NUMBERS = "numbers"
-_PLAIN = (bool, int, str, bytes, slice, range, type, type(None))
-
-
-class _Walk:
-    """A copy of objects in which every real number is replaced.
-
-    Numbers are floats and arrays of them, wherever attributes, tuples, lists and dictionaries lead; objects
-    of the classes `constants` stay as they are, as does everything else.
-
-    Args:
-        replace: function of a number or an array of them, in the order in which they are found.
-        constants: classes of objects whose numbers are constants.
-    """
-
-    def __init__(self, replace: Callable[[Any], Any], constants: tuple[type, ...]) -> None:
-        self._replace, self._constants = replace, constants
-        self._known: dict[int, Any] = {}
-        self._kept: list[object] = []  # so that no address is used twice
-        self.structure: list[Hashable] = []
-
-    def copied(self, value: Any) -> Any:
-        """The copy of a value."""
-        if isinstance(value, (float, np.floating)):
-            self.structure.append("number")
-            return self._replace(float(value))
-        if isinstance(value, np.ndarray) and value.dtype == np.float64:
-            self.structure.append(("numbers", value.shape))
-            return self._replace(value)
-        if isinstance(value, np.ndarray):
-            self.structure.append((str(value.dtype), value.shape, value.tobytes()))
-            return value
-        if isinstance(value, _PLAIN) or isinstance(value, self._constants):
-            self.structure.append(_constant(value))
-            return value
-        if id(value) in self._known:
-            self.structure.append(("again", list(self._known).index(id(value))))
-            return self._known[id(value)]
-        self._kept.append(value)
-        return self._of_parts(value)
-
-    def _of_parts(self, value: Any) -> Any:
-        """The copy of a container or an object, part by part."""
-        self.structure.append((type(value), len(value) if isinstance(value, (tuple, list, dict)) else -1))
-        if isinstance(value, (tuple, list)):
-            parts = [self.copied(part) for part in value]
-            made = type(value)(*parts) if hasattr(value, "_fields") else type(value)(parts)
-            self._known[id(value)] = made
-            return made
-        if isinstance(value, dict):
-            self._known[id(value)] = made = {}
-            for key, part in value.items():
-                self.structure.append(key)
-                made[key] = self.copied(part)
-            return made
-        if isinstance(value, MethodType):
-            self._known[id(value)] = bound = MethodType(value.__func__, self.copied(value.__self__))
-            return bound
-        if not hasattr(value, "__dict__") or isinstance(value, FunctionType):
-            self.structure.append(id(value))
-            return value
-        self._known[id(value)] = made = copy.copy(value)
-        for name, part in vars(value).items():
-            self.structure.append(name)
-            object.__setattr__(made, name, self.copied(part))
-        return made
-
-
-def _constant(value: Any) -> Hashable:
-    """What tells a constant from others of its class."""
-    return value if isinstance(value, type) else (type(value), pickle.dumps(value))
 
 
 def numbers_of(target: Any, constants: tuple[type, ...] = ()) -> NDArray[np.float64]:
@@ -106,13 +34,13 @@ def numbers_of(target: Any, constants: tuple[type, ...] = ()) -> NDArray[np.floa
         found.append(np.ravel(value))
         return value
 
-    _Walk(keep, constants).copied(target)
+    NumberWalk(keep, constants).copied(target)
     return np.concatenate([np.zeros(0), *found])
 
 
 def structure_of(target: Any, constants: tuple[type, ...] = ()) -> tuple[Hashable, ...]:
-    """What objects are apart from their numbers; valid as long as they live."""
-    walk = _Walk(lambda value: value, constants)
+    """What objects are apart from their numbers."""
+    walk = NumberWalk(lambda value: value, constants)
     walk.copied(target)
     return tuple(walk.structure)
 
@@ -132,7 +60,7 @@ class LiftedFunction:
 
     def serves(self, numbers: NDArray[np.float64]) -> bool:
         """Whether the function is that of other objects of the same structure, with these numbers (P)."""
-        return all(numbers[position] == value for position, value in self.fixed.items())
+        return all(float(numbers[position]).hex() == value.hex() for position, value in self.fixed.items())
 
 
 def trace_method(
@@ -158,38 +86,28 @@ def trace_method(
         the function of the arguments and of `numbers`. A number on which the formula branches is a constant.
 
     Raises:
-        UntraceableError: a formula that uses more than arithmetic on arrays.
+        UntraceableError: a formula that uses more than arithmetic on arrays, or fails on symbolic ones.
         DataDependentBranchError: one that branches on its arguments.
     """
     values = numbers_of(target, constants)
     if kind is None:
         return _trace_with(values, name, formula, target, shapes, constants)
     key = name, kind, tuple(shapes.items()), structure_of(target, constants)
-    known = _KNOWN.pop(key, None) or _Known(target, [])
+    known = _KNOWN.get(key, [])
+    found = next((each for each in known if each.serves(values)), None)
+    if found is None:
+        found = _trace_with(values, name, formula, target, shapes, constants)
+        known = [*known, found][-_MOST_BRANCHES:]
+    _KNOWN.pop(key, None)
     _KNOWN[key] = known  # the latest last
-    for function in known.functions:
-        if function.serves(values):
-            return function
-    known.functions.append(_trace_with(values, name, formula, target, shapes, constants))
     while len(_KNOWN) > _MOST_KNOWN:
         _KNOWN.pop(next(iter(_KNOWN)), None)
-    return known.functions[-1]
+    return found
 
 
-class _Known(NamedTuple):
-    """What was traced for objects of one structure.
-
-    Attributes:
-        target: objects of the structure, which holds addresses of parts of them.
-        functions: functions for different values of the numbers on which a formula branches.
-    """
-
-    target: Any
-    functions: list[LiftedFunction]
-
-
-_KNOWN: dict[Hashable, _Known] = {}
-_MOST_KNOWN = 256
+_KNOWN: dict[Hashable, list[LiftedFunction]] = {}
+_MOST_KNOWN = 256  # structures
+_MOST_BRANCHES = 16  # functions of one structure
 
 
 def _trace_with(
@@ -235,12 +153,18 @@ def _traced(
         first, used = used, used + np.size(value)
         part = seen[first:used].reshape(np.shape(value))
         if all(node.is_constant for node in part.flat()):
-            return value
+            return value.copy() if isinstance(value, np.ndarray) else value
         return part.copy()
 
-    parts = _Walk(symbolic, constants).copied(target)
-    results = formula(parts, **{each: array.copy() for each, array in inputs.items()})
-    outputs: Symbols = {each: SymbolicArray.of(graph, value) for each, value in results.items()}
+    parts = NumberWalk(symbolic, constants).copied(target)
+    try:
+        results = formula(parts, **{each: array.copy() for each, array in inputs.items()})
+        outputs: Symbols = {each: SymbolicArray.of(graph, value) for each, value in results.items()}
+    except UntraceableError:
+        raise
+    except Exception as error:  # a method that symbolic arrays lack, a check of values that are not known
+        failed = f"{type(error).__name__}: {shortened(str(error))}"
+        raise UntraceableError(f"{name} cannot be traced into compiled code: {failed}") from error
     return SymbolicFunction(name, {**inputs, _NUMBERS: numbers}, outputs)
 
 

@@ -1,13 +1,14 @@
 """Arrays that objects keep from one period to the next, as one row of numbers for each environment."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from prp_gym.errors import UntraceableError
 from prp_gym.symbolic.array import SymbolicArray
+from prp_gym.symbolic.number_walk import NumberWalk, attributes_of
 
 
 class Stateful(Protocol):
@@ -17,9 +18,7 @@ class Stateful(Protocol):
         state_arrays: names of the attributes, each with its axis of environments.
     """
 
-    @property
-    def state_arrays(self) -> Mapping[str, int]:
-        """Names of the attributes, each with its axis of environments."""
+    state_arrays: ClassVar[Mapping[str, int]]
 
 
 @dataclass(frozen=True)
@@ -85,9 +84,8 @@ class StateRows:
         for array in self.arrays:
             part = rows[:, array.columns].reshape((len(rows), *array.shape))
             values = np.moveaxis(part, 0, array.axis)
-            setattr(
-                owners[array.owner], array.name, values.astype(np.bool_) if array.boolean else values.copy()
-            )
+            kept = values.astype(np.bool_) if array.boolean else values.copy()
+            setattr(owners[array.owner], array.name, kept)
 
     def require_unchanged(self, owners: Sequence[Any], before: Sequence[Mapping[str, Any]]) -> None:
         """Refuse objects that keep something else than their declared arrays.
@@ -114,19 +112,32 @@ def require_same(owner: Any, before: Mapping[str, Any], declared: Collection[str
     Raises:
         UntraceableError: an object with another attribute that has changed.
     """
-    for name, value in attributes(owner).items():
-        if name not in declared and (name not in before or not _same(value, before[name])):
+    after = attributes(owner)
+    for name in {**before, **after}:
+        if name not in declared and before.get(name) != after.get(name):
             kept = f"{type(owner).__name__} keeps {name!r} from one call to the next"
             raise UntraceableError(f"{kept}, which cannot be traced into compiled code.")
 
 
-def attributes(owner: Any) -> dict[str, Any]:
-    """The attributes of an object, with the nodes of symbolic arrays."""
-    return {
-        name: tuple(value.flat()) if isinstance(value, SymbolicArray) else value
-        for name, value in vars(owner).items()
-    }
+def attributes(owner: Any) -> dict[str, Hashable]:
+    """What the attributes of an object hold, whatever leads to it.
+
+    Raises:
+        UntraceableError: an attribute of which this cannot be told.
+    """
+    return {name: _content(owner, value) for name, value in attributes_of(owner).items()}
 
 
-def _same(left: Any, right: Any) -> bool:
-    return left == right if isinstance(left, tuple) and isinstance(right, tuple) else left is right
+def _content(owner: Any, value: Any) -> Hashable:
+    """What an attribute of an object holds: numbers, expressions, and what is around them."""
+    found: list[Hashable] = []
+
+    def note(numbers: Any) -> Any:
+        symbolic = isinstance(numbers, SymbolicArray)
+        found.append(tuple(numbers.flat()) if symbolic else np.asarray(numbers).tobytes())
+        return numbers
+
+    walk = NumberWalk(note)
+    walk.leave(owner)
+    walk.copied(value)
+    return tuple(walk.structure), tuple(found)

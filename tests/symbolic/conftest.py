@@ -1,8 +1,10 @@
-"""Where compiled code is kept while these tests run."""
+"""Where compiled code and traced functions are kept while these tests run."""
 
 from collections.abc import Iterator
 
 import pytest
+
+from prp_gym.symbolic import lifting
 
 
 @pytest.fixture(scope="package", autouse=True)
@@ -11,3 +13,9 @@ def folder_of_compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterato
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PRP_GYM_CACHE", str(tmp_path_factory.mktemp("compiled")))
         yield
+
+
+@pytest.fixture
+def nothing_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No function is known before a test, and those of a test are forgotten."""
+    monkeypatch.setattr(lifting, "_KNOWN", {})
