@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.episode_record import EpisodeRecord
+from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_source import LARGEST_STATE, PeriodSource, Plan
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import UntraceableError
@@ -34,6 +35,7 @@ class CompiledPeriods:
         self._simulates = isinstance(loop.physics, CompiledSimulation)
         if not (self._simulates or self._source.is_exact):
             raise UntraceableError("formulas whose bits depend on the machine are left to NumPy.")
+        self._constant = TaskConstants(loop.task.parts)
         self._library = load_library(self._source.text)
         if self._simulates:
             self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
@@ -68,8 +70,13 @@ class CompiledPeriods:
             setattr(self._plan, name, self._arrays[name].ctypes.data)
 
     def load(self) -> None:
-        """Take over what the loop's parts keep, after a reset or a restored state."""
+        """Take over what the loop's parts keep, after a reset.
+
+        Raises:
+            UntraceableError: a task that has changed otherwise; nothing is taken over.
+        """
         loop, arrays = self._loop, self._arrays
+        self._constant.check(loop.task.parts)
         self._parts = loop.period_parts()
         arrays["memory"][:] = self._source.rows.read(self._parts.owners)
         arrays["clock"][:], arrays["reference"][:] = loop.window.elapsed, loop.window.current

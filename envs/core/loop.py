@@ -145,15 +145,13 @@ class EpisodeLoop:
             return
         try:
             self._compiled = self._compiled or CompiledPeriods(self)
+            self._compiled.load()
         except UntraceableError:  # formulas of a task of another package, which NumPy computes
-            self._may_compile = False
-            return
+            self._compiled, self._may_compile = None, False
         except CompilerError:
             if self.config.engine == COMPILED:
                 raise
             self._may_compile = False
-            return
-        self._compiled.load()
 
     def __getstate__(self) -> dict[str, Any]:
         self._store()
@@ -356,6 +354,7 @@ class EpisodeLoop:
         rest = copy.deepcopy(state.rest)
         self.physics.restore(state.physics)
         self.__dict__.update(rest)
+        self._compiled = None  # whose numbers may be those of another task
         self.load()
         return self._viewed(self._restored())
 

@@ -11,7 +11,7 @@ from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import UntraceableError
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.state_arrays import StateRows
-from prp_gym.tasks.parts import ErrorFunction, Reference
+from prp_gym.tasks.parts import ErrorFunction, Reference, TaskParts
 from prp_gym.tasks.trajectory import Trajectory
 
 
@@ -95,3 +95,43 @@ class ReferenceRows:
         self._arrays.write((made,), row[:, first:])
         reference: Reference = made
         return reference
+
+
+class TaskConstants:
+    """The attributes of a task's errors and reference that stay the same from episode to episode.
+
+    Args:
+        parts: Parts of the task.
+    """
+
+    def __init__(self, parts: TaskParts) -> None:
+        self._known = [
+            {
+                name: (value, np.array(value)) if isinstance(value, np.ndarray) else (value, None)
+                for name, value in _constants(part).items()
+            }
+            for part in (parts.errors, parts.reference)
+        ]
+
+    def check(self, parts: TaskParts) -> None:
+        """Refuse parts of which another attribute has changed than their state arrays and the trajectory.
+
+        Raises:
+            UntraceableError: such a part.
+        """
+        owners: tuple[ErrorFunction | Reference, ...] = (parts.errors, parts.reference)
+        for part, known in zip(owners, self._known, strict=True):
+            present = _constants(part)
+            if present.keys() != known.keys():
+                raise UntraceableError(f"{type(part).__name__} has other attributes than before.")
+            for name, value in present.items():
+                before, copied = known[name]
+                if value is not before or not (copied is None or np.array_equal(value, copied)):
+                    raise UntraceableError(
+                        f"{type(part).__name__} changes {name!r}, which is not among its state_arrays."
+                    )
+
+
+def _constants(part: ErrorFunction | Reference) -> dict[str, Any]:
+    changing = {"_trajectory", *part.state_arrays}
+    return {name: value for name, value in vars(part).items() if name not in changing}

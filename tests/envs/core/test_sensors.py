@@ -221,7 +221,8 @@ def test_only_the_contact_force_is_observed_with_errors(environment_id: str) -> 
 def test_errors_of_the_sensor_do_not_change_the_ground_truth(environment_id: str) -> None:
     env = pressed(environment_id, scenario="realistic")
     twin = pressed(environment_id, scenario="realistic")
-    twin._loop._sensors = IdealSensors()
+    state = twin._loop.get_state()
+    twin._loop.set_state(state._replace(rest={**state.rest, "_sensors": IdealSensors()}))
     touched = 0
     for action in np.random.default_rng(0).uniform(-0.01, 0.01, size=(150, 3)):
         _, *results = env.step(action)
