@@ -1,7 +1,6 @@
 """Errors of force tasks: force along the surface normal, contact, and pose in the other directions."""
 
 import math
-from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -48,7 +47,7 @@ class ForceErrors(ErrorFunction):
         self._error: Array | None = None
         self._touching: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
         """See `ErrorFunction.begin`: no disturbance yet, and no contact that could be lost."""
         if not len(self._disturbance):
             self._disturbance = np.zeros(len(ids))
