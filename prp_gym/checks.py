@@ -22,6 +22,7 @@ LARGEST_SEED = 2**128 - 1
 LARGEST_WHOLE = 2**63 - 1
 """Largest whole number, that of an array of integers."""
 
+_FLOAT64 = np.dtype(np.float64)
 _MOST_NUMBERS = 10**7  # that are converted from something else than an array
 _FEW = 16  # numbers, up to which a loop in Python is faster than one of NumPy
 _LONGEST_TEXT = 10_000  # characters
@@ -68,7 +69,7 @@ def as_array(what: str, value: object, unit: str = "") -> Array:
     Raises:
         InvalidValueError: a value that is neither a number nor an array of numbers.
     """
-    if type(value) is np.ndarray and value.dtype == np.float64:
+    if type(value) is np.ndarray and value.dtype is _FLOAT64:
         return value
     if is_symbolic(value):
         symbolic: Any = value
@@ -87,7 +88,7 @@ def check_finite(what: str, numbers: Array, unit: str = "", largest: float = LAR
     if is_symbolic(numbers):
         return
     if numbers.size <= _FEW:
-        if math.hypot(*(numbers.tolist() if numbers.ndim == 1 else numbers.ravel().tolist())) <= largest:
+        if math.hypot(*numbers.ravel().tolist()) <= largest:
             return
     elif np.vdot(numbers, numbers) <= largest * largest:  # cannot be NaN then; BLAS warns of no overflow
         return
@@ -133,6 +134,19 @@ def bounded(what: str, value: object, bounds: tuple[float, float], unit: str) ->
     low, high = bounds
     if not ((numbers >= low) & (numbers <= high)).all():
         raise InvalidValueError(what, value, f"{low:g} to {high:g}", unit)
+    return numbers
+
+
+def each_within(what: str, numbers: Array, bounds: tuple[float, float], unit: str) -> Array:
+    """Refuse numbers (n), one for each of n environments, outside bounds, which are allowed themselves.
+
+    Raises:
+        InvalidValueError: a number out of bounds; the first one is named.
+    """
+    low, high = bounds
+    good = (numbers >= low) & (numbers <= high)
+    if np.count_nonzero(good) < numbers.size:
+        raise InvalidValueError(what, float(numbers[~good][0]), f"{low:g} to {high:g}", unit)
     return numbers
 
 

@@ -1,7 +1,6 @@
 """The arm as the world of a task, and the checks of its initial states."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,9 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
     Raises:
         JointLimitError: a joint is outside its limits; the first such joint is named.
     """
-    low, high = np.array(arm.parameters.joint_lower), np.array(arm.parameters.joint_upper)
+    low, high = arm.joint_limits
     outside = (joint_position < low - _ROUNDING) | (joint_position > high + _ROUNDING)
-    if outside.any():
+    if np.count_nonzero(outside):
         index = tuple(np.argwhere(outside)[0].tolist())
         joint = index[-1]
         limits = (float(low[joint]), float(high[joint]))
@@ -43,12 +42,12 @@ def check_joint_limits(arm: PRPArm, what: str, joint_position: Array) -> None:
 
 
 def checked_start(arm: PRPArm, position: Array, options: Mapping[str, Array]) -> tuple[Array, Array]:
-    """The initial joint position and velocity (3), where reset options replace drawn values.
+    """The initial joint positions and velocities (n, 3), where reset options replace drawn values.
 
     Args:
         arm: Nominal arm.
-        position: Drawn joint position (3) [rad, m, rad].
-        options: Validated reset options by name.
+        position: Drawn joint positions (n, 3) [rad, m, rad].
+        options: Validated reset options (n, 3) by name.
 
     Raises:
         JointLimitError: a position outside the joint limits.
@@ -56,10 +55,13 @@ def checked_start(arm: PRPArm, position: Array, options: Mapping[str, Array]) ->
     """
     position = options.get("joint_position", position)
     check_joint_limits(arm, "initial joint position", position)
-    velocity = options.get("joint_velocity", np.zeros(3))
-    if (np.abs(velocity) > SPEED_BOUND).any():
-        unit = "rad/s, m/s, rad/s"
-        raise InvalidValueError("initial joint velocity", velocity.tolist(), f"within ±{SPEED_BOUND}", unit)
+    if "joint_velocity" not in options:
+        return position, np.zeros(position.shape)
+    velocity = options["joint_velocity"]
+    beyond = (np.abs(velocity) > SPEED_BOUND).any(axis=-1)
+    if beyond.any():
+        first, unit = velocity[beyond][0].tolist(), "rad/s, m/s, rad/s"
+        raise InvalidValueError("initial joint velocity", first, f"within ±{SPEED_BOUND}", unit)
     return position, velocity
 
 
@@ -95,21 +97,16 @@ class ArmWorld(World[StartT]):
         settings = PhysicsSettings(timestep, self._scenario.joint_stops, self._surface)
         return make_arm(self._engine, settings, num_envs, num_threads)
 
-    def draw_plant(self, rng: np.random.Generator) -> PlantDraw:
-        """See `World.draw_plant`; nothing is drawn where the plant is the nominal arm."""
-        if self._scenario.ideal_plant:
-            return PlantDraw(np.ones(3), np.zeros(3), np.zeros(3))
-        return self._scenario.draw_plant(rng)
+    def draw_plants(self, rngs: Sequence[np.random.Generator]) -> PlantDraw | None:
+        """See `World.draw_plants`; nothing is drawn where the plants are the nominal arm."""
+        return None if self._scenario.ideal_plant else self._scenario.draw_plants(rngs)
 
     def configure(
-        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[StartT], plants: Sequence[Any]
+        self, physics: Simulation, ids: NDArray[np.intp], start: StartT, plants: PlantDraw | None
     ) -> None:
         """See `World.configure`: sets link masses and joint friction."""
-        if self._scenario.ideal_plant:
+        if plants is None:
             return
         arm_physics(physics).set_dynamics(
-            ids,
-            np.stack([plant.mass_factor for plant in plants]),
-            np.stack([plant.viscous_friction for plant in plants]),
-            np.stack([plant.coulomb_friction for plant in plants]),
+            ids, plants.mass_factor, plants.viscous_friction, plants.coulomb_friction
         )

@@ -1,7 +1,7 @@
 """Errors of force tasks: force along the surface normal, contact, and pose in the other directions."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -49,7 +49,7 @@ class ForceErrors(ErrorFunction):
         self._established: NDArray[np.bool_] = np.zeros(0, dtype=np.bool_)
         self._present: tuple[Array, NDArray[np.bool_]] | None = None  # what `advance` has measured
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
         """See `ErrorFunction.begin`: no disturbance yet, and no contact that could be lost."""
         if not len(self._disturbance):
             self._disturbance = np.zeros(len(ids))

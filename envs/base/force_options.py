@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from prp_gym.checks import within
+from prp_gym.checks import each_within, within
 from prp_gym.envs.base.surface_options import SurfaceOptions
 from prp_gym.envs.config import describe
 from prp_gym.physics.surface import Surface
@@ -57,12 +57,12 @@ class ForceSampler(ABC):
 
     @abstractmethod
     def draw(self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface) -> Array:
-        """The desired force (3) [N] in the world frame.
+        """The desired forces (n, 3) [N] in the world frame.
 
         Args:
-            drawn: Values drawn from the task's ranges, by name.
-            options: Validated reset options by name.
-            surface: Surface of the episode, one plane.
+            drawn: Values (n, size) drawn from the task's ranges, by name.
+            options: Validated reset options (n, ...) by name.
+            surface: Surfaces of the episodes, n planes.
         """
 
 
@@ -71,7 +71,7 @@ class NoForce(ForceSampler):
 
     def draw(self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface) -> Array:
         """See `ForceSampler.draw`: always zero."""
-        return np.zeros(3)
+        return np.zeros(surface.normal.shape)
 
 
 class NormalForce(ForceSampler):
@@ -90,10 +90,13 @@ class NormalForce(ForceSampler):
 
     def draw(self, drawn: Mapping[str, Array], options: Mapping[str, Array], surface: Surface) -> Array:
         """See `ForceSampler.draw`."""
-        largest = float(surface.stiffness[0]) * float(drawn["greatest_depth"][0])
-        magnitude = min(float(drawn["desired_force"][0]), largest)
-        if self._options.desired_force is not None:
-            magnitude = self._options.desired_force
         if "desired_force" in options:
-            magnitude = check_force(options["desired_force"])
-        return -magnitude * np.array(surface.normal[0])
+            unit = _FORCE_OPTION.unit
+            magnitude = each_within("desired_force", options["desired_force"], FORCE_BOUNDS, unit)
+        elif self._options.desired_force is not None:
+            magnitude = np.full(len(surface.normal), self._options.desired_force)
+        else:
+            largest = surface.stiffness * drawn["greatest_depth"][:, 0]
+            magnitude = np.minimum(drawn["desired_force"][:, 0], largest)
+        force: Array = -magnitude[:, None] * surface.normal
+        return force

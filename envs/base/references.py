@@ -1,6 +1,6 @@
 """References of the arm: motions of its joints or of its pose, and desired forces."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -114,15 +114,17 @@ class ForceAndPoseReference(PoseSpaceReference):
         super().__init__(arm)
         self._forces = np.zeros((0, 3))
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
         """See `Reference.begin`."""
-        super().begin(ids, starts)
+        super().begin(ids, start)
         if len(self._forces) == 0:
             self._forces = np.zeros((len(ids), 3))
-        self._forces[ids] = [start.desired_force for start in starts]
+        self._forces[ids] = start.desired_force
 
     def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
         """See `Reference.sample`."""
         pose = super().sample(time, ids)
-        forces = self._forces if ids is None else self._forces[ids]
-        return np.concatenate([pose, np.broadcast_to(forces, (*pose.shape[:-1], 3))], axis=-1)
+        sample = np.empty((*pose.shape[:-1], pose.shape[-1] + 3))
+        sample[..., :-3] = pose
+        sample[..., -3:] = self._forces if ids is None else self._forces[ids]
+        return sample

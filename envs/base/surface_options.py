@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
-from prp_gym.checks import shaped, within
+from prp_gym.checks import each_within, shaped, within
 from prp_gym.envs.config import describe
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array
@@ -38,6 +38,14 @@ def _surface(name: str, default: str) -> dict[str, str]:
     return describe(option.unit, f"{option.description}; {default} if None")
 
 
+_ANY_SURFACE = {
+    "surface_stiffness": np.ones(1),
+    "surface_damping": np.zeros(1),
+    "surface_normal": np.array([[0.0, 0.0, 1.0]]),
+    "surface_offset": np.zeros(1),
+}
+
+
 @dataclass(frozen=True)
 class SurfaceOptions:
     """The surface of every episode; a value of None is drawn, or follows from the drawn contact point.
@@ -58,7 +66,7 @@ class SurfaceOptions:
         for name, value in self.given().items():
             plain = tuple(value.tolist()) if value.ndim else float(value)
             object.__setattr__(self, name, plain)
-        make_surface(self.given(), np.array([0.0, 0.0, 1.0]), 0.0)
+        make_surface(_ANY_SURFACE, self.given())
 
     def given(self) -> dict[str, Array]:
         """The values that are not None, by name."""
@@ -68,7 +76,7 @@ class SurfaceOptions:
 
 
 def surface_value(name: str, value: object) -> Array:
-    """Validate one value of the surface, given as a keyword or a reset option.
+    """Validate one value of the surface, given as a keyword.
 
     Raises:
         InvalidValueError: a value that is not numeric, or is outside `SURFACE_BOUNDS`.
@@ -80,14 +88,26 @@ def surface_value(name: str, value: object) -> Array:
     return shaped(name, value, option.shape, option.unit)
 
 
-def make_surface(
-    values: Mapping[str, Array], normal: Array, offset: float, stiffness: float = 1.0, damping: float = 0.0
-) -> Surface:
-    """Make one surface from values by name, with defaults for those that are missing."""
-    direction = values.get("surface_normal", normal)
-    return Surface(
-        np.atleast_1d(values.get("surface_stiffness", stiffness)),
-        np.atleast_1d(values.get("surface_damping", damping)),
-        np.atleast_2d(direction),
-        np.atleast_1d(values.get("surface_offset", offset)),
-    )
+def surface_values(name: str, values: Array) -> Array:
+    """Validate one value (n, ...) of n surfaces, given as a reset option.
+
+    Raises:
+        InvalidValueError: a value outside `SURFACE_BOUNDS`.
+    """
+    if name in SURFACE_BOUNDS:
+        return each_within(name, values, SURFACE_BOUNDS[name], SURFACE_OPTIONS[name].unit)
+    return values
+
+
+def make_surface(drawn: Mapping[str, Array], given: Mapping[str, Array]) -> Surface:
+    """Make n surfaces from values by name.
+
+    Args:
+        drawn: Values (n, ...) of every option.
+        given: Values that replace them, one for all surfaces or one (n, ...) for each.
+    """
+    values = {
+        name: np.broadcast_to(given[name], value.shape) if name in given else value
+        for name, value in drawn.items()
+    }
+    return Surface(**{name.removeprefix("surface_"): value for name, value in values.items()})

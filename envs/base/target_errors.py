@@ -1,6 +1,6 @@
 """Errors of compliance, impedance and admittance tasks: deviations from a model that the contact drives."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -80,7 +80,7 @@ class DynamicTargetErrors(TargetErrors):
         super().__init__(setup, layout)
         self._motion = np.zeros((4, 0, 6))  # displacement, its rate, force at start and end of a period
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
         """See `ErrorFunction.begin`: the model starts at rest, on the reference."""
         if self._motion.shape[1] == 0:
             self._motion = np.zeros((4, len(ids), 6))

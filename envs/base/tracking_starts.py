@@ -1,8 +1,9 @@
 """Starts of tasks in free space: the arm's initial state and the reference of the episode."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from prp_gym.envs.config import describe
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, StartSampler
+from prp_gym.tasks.ranges import Draws
 from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.trajectory import Constant, QuinticWaypoints, Sine, Trajectory
 
@@ -23,8 +25,8 @@ START_KEYWORD = describe(
     " `scenario`: `first_waypoint` in `report`, else `home`",
 )
 
-Draw = tuple[Trajectory, Array]
-"""A reference, one row, and the initial joint position (3) [rad, m, rad] of its episode."""
+Made = tuple[Trajectory, Array]
+"""References, n rows, and the initial joint positions (n, 3) [rad, m, rad] of their episodes."""
 
 
 @dataclass(frozen=True)
@@ -42,97 +44,102 @@ class StartOptions:
 
 
 def path_from(start: Array, waypoints: Array, intervals: Array) -> tuple[Array, Array]:
-    """Times (K + 1) [s] and positions (K + 1, d) of a path that leaves a start (d) at t = 0.
+    """Times (..., K + 1) [s] and positions (..., K + 1, d) of paths that leave a start (..., d) at t = 0.
 
     Args:
-        start: Initial position (d).
-        waypoints: Positions after the initial one (K, d).
-        intervals: Times between successive positions (K) [s].
+        start: Initial positions (..., d).
+        waypoints: Positions after the initial one (..., K, d).
+        intervals: Times between successive positions (..., K) [s].
     """
-    return np.concatenate([[0.0], np.cumsum(intervals)]), np.concatenate([start[None], waypoints])
+    times = np.zeros((*intervals.shape[:-1], intervals.shape[-1] + 1))
+    np.cumsum(intervals, axis=-1, out=times[..., 1:])
+    return times, np.concatenate([start[..., None, :], waypoints], axis=-2)
 
 
 class ReferenceSampler(ABC):
-    """Draws the reference of an episode in free space.
+    """Makes the references of episodes in free space from numbers that are drawn for them.
 
     Args:
         setup: Numbers, scenario, keywords and period of the task.
         arm: Nominal arm.
+
+    Attributes:
+        names: Ranges of the task from which the reference is drawn, in this order.
     """
+
+    names: ClassVar[tuple[str, ...]]
 
     def __init__(self, setup: TaskSetup, arm: PRPArm) -> None:
         self.setup = setup
         self.arm = arm
 
     @abstractmethod
-    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """Draw one reference.
+    def make(self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None) -> Made:
+        """Make the references of n episodes.
 
         Args:
-            rng: Generator of the environment.
-            joint_position: Joint position drawn for the start (3) [rad, m, rad].
-            goal: Joint position (3) that replaces the drawn goal [rad, m, rad]; None keeps it.
+            drawn: Numbers (n, size) by `names`.
+            joint_position: Joint positions drawn for the starts (n, 3) [rad, m, rad].
+            goal: Joint positions (n, 3) that replace the drawn goals [rad, m, rad]; None keeps them.
 
         Raises:
-            JointLimitError: the reference would leave the joint limits.
+            JointLimitError: a reference would leave the joint limits.
         """
 
 
 class ConstantSampler(ReferenceSampler):
     """Draws a constant joint position."""
 
-    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """See `ReferenceSampler.draw`."""
-        drawn = self.setup.ranges["goal"].draw(rng)
-        target = drawn if goal is None else goal
+    names = ("goal",)
+
+    def make(self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None) -> Made:
+        """See `ReferenceSampler.make`."""
+        target = drawn["goal"] if goal is None else goal
         check_joint_limits(self.arm, "goal", target)
-        return Constant(target[None]), joint_position
+        return Constant(target), joint_position
 
 
 class WaypointSampler(ReferenceSampler):
     """Draws quintic segments through joint waypoints; the keyword `start` says where they start."""
 
-    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """See `ReferenceSampler.draw`; a goal replaces the last waypoint."""
-        return self.draw_waypoints(rng, joint_position, goal), joint_position
+    names = ("waypoints", "interval")
 
-    def draw_waypoints(
-        self, rng: np.random.Generator, joint_position: Array, goal: Array | None
-    ) -> QuinticWaypoints:
-        """Draw the quintic segments, one row."""
-        ranges, start = self.setup.ranges, self.setup.options.start
-        waypoints = ranges["waypoints"].draw(rng).reshape(-1, 3)
-        intervals = ranges["interval"].draw(rng)
+    def make(self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None) -> Made:
+        """See `ReferenceSampler.make`; a goal replaces the last waypoint."""
+        return QuinticWaypoints(*self.path(drawn, joint_position, goal)), joint_position
+
+    def path(
+        self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None
+    ) -> tuple[Array, Array]:
+        """Times (n, K) [s] and joint positions (n, K, 3) [rad, m, rad] of the waypoints; see `make`."""
+        intervals, start = drawn["interval"], self.setup.options.start
+        waypoints = drawn["waypoints"].reshape(len(intervals), -1, 3)
         if goal is not None:
-            waypoints[-1] = goal
-        check_joint_limits(self.arm, "goal", waypoints[-1])
+            waypoints[:, -1] = goal
+        check_joint_limits(self.arm, "goal", waypoints[:, -1])
         if start == "home" or (start == "scenario" and not self.setup.scenario.deterministic):
-            times, waypoints = path_from(joint_position, waypoints, intervals)
-        else:
-            times = np.cumsum(intervals)
-        return QuinticWaypoints(times[None], waypoints[None])
+            return path_from(joint_position, waypoints, intervals)
+        return np.cumsum(intervals, axis=-1), waypoints
 
 
 class SineSampler(ReferenceSampler):
     """Draws sinusoidal motions of the joints about a centre."""
 
-    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """See `ReferenceSampler.draw`; a goal replaces the centre."""
-        ranges, scenario = self.setup.ranges, self.setup.scenario
-        center = ranges["center"].draw(rng)
-        amplitude = ranges["amplitude"].draw(rng)
-        frequency = ranges["frequency"].draw(rng)
-        phase = ranges["phase"].draw(rng)
+    names = ("center", "amplitude", "frequency", "phase")
+
+    def make(self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None) -> Made:
+        """See `ReferenceSampler.make`; a goal replaces the centre."""
+        scenario, amplitude = self.setup.scenario, drawn["amplitude"]
+        center = drawn["center"] if goal is None else goal
         if goal is not None:
-            center = goal
             check_joint_limits(self.arm, "goal", center)
             if scenario.joint_stops:
                 check_joint_limits(self.arm, "goal plus amplitude", center + amplitude)
                 check_joint_limits(self.arm, "goal minus amplitude", center - amplitude)
-        sine = Sine(center[None], amplitude[None], 2 * np.pi * frequency[None], phase[None])
+        sine = Sine(center, amplitude, 2 * np.pi * drawn["frequency"], drawn["phase"])
         if scenario.deterministic:
             return sine, joint_position
-        return sine, sine.sample(np.zeros(1))[0, :3]
+        return sine, sine.sample(np.zeros(len(center)))[:, :3]
 
 
 class TrackingStarts(StartSampler[EpisodeStart]):
@@ -148,10 +155,12 @@ class TrackingStarts(StartSampler[EpisodeStart]):
     def __init__(self, world: ArmWorld[EpisodeStart], reference: ReferenceSampler) -> None:
         self._arm = world.arm
         self._reference = reference
+        ranges = reference.setup.ranges
+        self._draws = Draws({name: ranges[name] for name in ("joint_position", *reference.names)})
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> EpisodeStart:
+    def draw(self, rngs: Sequence[np.random.Generator], options: Mapping[str, Array]) -> EpisodeStart:
         """See `StartSampler.draw`."""
-        drawn = self._reference.setup.ranges["joint_position"].draw(rng)
-        start = options.get("joint_position", drawn)
-        trajectory, position = self._reference.draw(rng, start, options.get("goal"))
+        drawn = self._draws.draw(rngs)
+        start = options.get("joint_position", drawn["joint_position"])
+        trajectory, position = self._reference.make(drawn, start, options.get("goal"))
         return EpisodeStart(*checked_start(self._arm, position, options), trajectory)

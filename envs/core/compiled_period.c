@@ -100,7 +100,7 @@ int prp_run(long first, long count, const prp_plan *plan)
             const long at = k * plan->rows + row, to = plan->record ? row * plan->periods + k : row;
             prp_before(plan, row, at, to);
             within = prp_advance(
-                row, 1, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
+                row, 1, NULL, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
                 plan->measured, plan->beyond, plan->lost);
             prp_after(plan, row, at, to);
             if (plan->lost[row])

@@ -117,23 +117,16 @@ class EpisodeLoop:
         """
         check_ids(ids, self.num_envs, started=self.started)
         self._store()
-        starts, plants, seeds = [], [], []
-        for row, rng in enumerate(rngs):
-            starts.append(self.task.draw(rng, {name: values[row] for name, values in options.items()}))
-            plants.append(self.task.draw_plant(rng))
-            seeds.append(int(rng.integers(_LARGEST_SEED)))
-        self.task.configure(self.physics, ids, starts, plants)
-        self.task.begin(ids, starts)
+        start, plants = self.task.draw(rngs, options), self.task.draw_plants(rngs)
+        seeds = [int(rng.integers(_LARGEST_SEED)) for rng in rngs]
+        self.task.configure(self.physics, ids, start, plants)
+        self.task.begin(ids, start)
         self._actuators.begin(ids, seeds)
         self._sensors.begin(ids, seeds)
-        self.physics.reset(
-            ids,
-            np.stack([start.joint_position for start in starts]),
-            np.stack([start.joint_velocity for start in starts]),
-        )
+        self.physics.reset(ids, start.joint_position, start.joint_velocity)
         self._window.begin(ids, self.task.reference)
         self._needs_reset[ids] = False
-        self._all_ready = not self._needs_reset.any()
+        self._all_ready = not np.count_nonzero(self._needs_reset)
         self.ground_truth = self._measure()
         self.task.complete(self.ground_truth)
         self.load()

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from prp_gym.robot.arrays import Array
 
-_BLOCK = 256  # steps drawn at once for an environment; the numbers of a seed depend on it
+_BLOCK = 256  # steps whose numbers are drawn at once for an environment
+_FIRST = 8  # steps whose numbers are drawn when an episode begins: many episodes end before a block does
 
 
 class WhiteNoise:
@@ -21,29 +22,30 @@ class WhiteNoise:
     """
 
     def __init__(self, num_envs: int, size: int) -> None:
-        self._values = np.zeros((_BLOCK, num_envs, size))
+        self._values = np.zeros((num_envs, _BLOCK, size))
         self._steps = np.zeros(num_envs, dtype=np.intp)
+        self._drawn = np.zeros(num_envs, dtype=np.intp)  # steps up to which the numbers are drawn
         self._rngs = [np.random.default_rng(0) for _ in range(num_envs)]
         self._rows = np.arange(num_envs)
 
     def begin(self, ids: NDArray[np.intp], rngs: Sequence[np.random.Generator]) -> None:
         """Restart the noise of some environments (n), with their generators."""
-        self._steps[ids] = 0
-        for index, rng in zip(ids, rngs, strict=True):
+        self._steps[ids], self._drawn[ids] = 0, _FIRST
+        for index, rng in zip(ids.tolist(), rngs, strict=True):
             self._rngs[index] = rng
-            self._refill(index)
+            rng.standard_normal(out=self._values[index, :_FIRST])
 
     @property
     def current(self) -> Array:
         """The numbers of this step (N, size)."""
-        values: Array = self._values[self._steps % _BLOCK, self._rows]
+        values: Array = self._values[self._rows, self._steps % _BLOCK]
         return values
 
     def advance(self) -> None:
         """Go on to the next step."""
         self._steps += 1
-        for index in np.flatnonzero(self._steps % _BLOCK == 0):
-            self._refill(index)
+        for index in np.flatnonzero(self._steps == self._drawn).tolist():
+            self._draw_to_end_of_block(index)
 
     def next_steps(self, steps: int, *, with_present: bool) -> Array:
         """The numbers of many steps, and go on by as many.
@@ -59,7 +61,7 @@ class WhiteNoise:
             present = self.current if with_present else None
             self.advance()
             return (self.current if present is None else present)[None]
-        values, done = np.empty((steps, *self._values.shape[1:])), 0
+        values, done = np.empty((steps, len(self._values), self._values.shape[2])), 0
         while done < steps:
             if not with_present:
                 self.advance()
@@ -73,10 +75,14 @@ class WhiteNoise:
 
     def _block(self, most: int) -> Array:
         """Numbers from the present step on (n, N, size), for as long as they are drawn, but at most some."""
-        first = int(self._steps[0]) % _BLOCK
-        if (self._steps != self._steps[0]).any():
+        first, drawn = int(self._steps[0]), int(self._drawn[0])
+        if (self._steps != first).any() or (self._drawn != drawn).any():
             return self.current[None]
-        return self._values[first : first + most]
+        count, start = min(most, drawn - first), first % _BLOCK
+        return self._values[:, start : start + count].swapaxes(0, 1)
 
-    def _refill(self, index: np.intp) -> None:
-        self._values[:, index] = self._rngs[index].standard_normal(self._values.shape[::2])
+    def _draw_to_end_of_block(self, index: int) -> None:
+        """Draw the numbers of one environment from its present step to the end of the block."""
+        start = self._steps[index] % _BLOCK
+        self._rngs[index].standard_normal(out=self._values[index, start:])
+        self._drawn[index] += _BLOCK - start

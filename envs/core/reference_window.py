@@ -10,8 +10,10 @@ from prp_gym.robot.arrays import Array
 
 _MOST_ROWS = 65536  # of all environments together; bounds the memory
 _MOST_STEPS = 512
+_FIRST_STEPS = 1  # that are sampled when all environments begin: a reset needs no more
 
-Sampler = Callable[[Array, NDArray[np.intp]], Array]
+Sampler = Callable[[Array, NDArray[np.intp] | None], Array]
+"""Gives the references (..., n, size) at times (..., n) [s] of some environments (n), or of all for None."""
 
 
 class ReferenceWindow:
@@ -29,26 +31,29 @@ class ReferenceWindow:
     def __init__(self, num_envs: int, period: float, horizon: int = _MOST_STEPS) -> None:
         self._period = period
         self._length = int(np.clip(_MOST_ROWS // num_envs, 1, min(_MOST_STEPS, horizon + 1)))
-        self._all_ids = np.arange(num_envs)
+        self._num_envs = num_envs
         self._elapsed = np.zeros(num_envs)  # whole numbers as floats, for fast arithmetic
         self._tick = 0
         self._first = 0
+        self._sampled = 0  # periods from the first on
         self._rows = np.zeros((0, num_envs, 0))
 
     def begin(self, ids: NDArray[np.intp], sampler: Sampler) -> None:
         """Start new episodes in some environments (n); the first call covers all of them."""
         self._elapsed[ids] = 0.0
-        if not self.started or len(ids) == len(self._all_ids):
-            self._fill(sampler)
-        else:
-            self._rows[self._tick - self._first :, ids] = sampler(self._times(ids), ids)
+        if not self.started or len(ids) == self._num_envs:
+            self._fill(sampler, _FIRST_STEPS)
+            return
+        ahead = self._tick - self._first
+        times = self._times(self._elapsed[ids], self._sampled - ahead)
+        self._rows[ahead : self._sampled, ids] = sampler(times, ids)
 
     def advance(self, sampler: Sampler) -> None:
         """Go on by one period."""
         self._tick += 1
         self._elapsed += 1.0
-        if self._tick - self._first >= self._length:
-            self._fill(sampler)
+        if self._tick - self._first >= self._sampled:
+            self._fill(sampler, self._length)
 
     @property
     def started(self) -> bool:
@@ -74,7 +79,7 @@ class ReferenceWindow:
             current: Present reference (N, size).
         """
         self._elapsed, self._rows = elapsed, current[None]
-        self._first, self._length = self._tick, 1
+        self._first, self._length, self._sampled = self._tick, 1, 1
 
     def times_ahead(self, periods: int) -> Array:
         """Times since the start of each episode (periods, N) in the next periods [s]."""
@@ -95,15 +100,20 @@ class ReferenceWindow:
         whole = (elapsed >= 0.0) & (elapsed == np.floor(elapsed))
         if not whole.all():
             raise InvalidValueError("elapsed periods", elapsed.tolist(), f"whole numbers, 0 to {horizon}")
-        if not 0 <= ahead < len(self._rows):
-            raise InvalidValueError("sampled period", ahead, f"0 to {len(self._rows) - 1}")
+        if not 0 <= ahead < self._sampled <= len(self._rows):
+            raise InvalidValueError(
+                "sampled period", ahead, f"0 to {min(self._sampled, len(self._rows)) - 1}"
+            )
 
-    def _fill(self, sampler: Sampler) -> None:
-        self._first = self._tick
-        self._rows = sampler(self._times(self._all_ids), self._all_ids)
+    def _fill(self, sampler: Sampler, count: int) -> None:
+        """Sample the references of all environments over a number of periods from now on."""
+        values = sampler(self._times(self._elapsed, count), None)
+        if not self.started:
+            self._rows = np.zeros((self._length, *values.shape[1:]))
+        self._first, self._sampled = self._tick, count
+        self._rows[:count] = values
 
-    def _times(self, ids: NDArray[np.intp]) -> Array:
-        """Times since the start of each episode, from now to the window's end (periods, n) [s]."""
-        ahead = np.arange(self._first + self._length - self._tick)
-        times: Array = (ahead[:, None] + self._elapsed[ids]) * self._period
+    def _times(self, elapsed: Array, count: int) -> Array:
+        """Times [s] of a number of periods from now on (count, n), of which so many (n) have elapsed."""
+        times: Array = (np.arange(count)[:, None] + elapsed) * self._period
         return times

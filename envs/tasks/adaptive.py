@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.checks import choice, within
+from prp_gym.checks import choice, each_within, within
 from prp_gym.drawing.overlay import OverlayItem
 from prp_gym.envs.base.references import path_overlay
 from prp_gym.envs.base.scoring import LINK_SCORING
@@ -18,7 +18,7 @@ from prp_gym.physics import engines
 from prp_gym.physics.abstract_simulation import LinkSimulation, Simulation
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.robot.arrays import Array
-from prp_gym.robot.link import NOMINAL_LINK, Link, LinkParameters
+from prp_gym.robot.link import NOMINAL_LINK, Link
 from prp_gym.tasks.fields import LINK_FIELDS, LINK_POSITION_BOUND, LINK_REFERENCE_FIELDS, SPEED_BOUND, Field
 from prp_gym.tasks.parts import (
     EpisodeStart,
@@ -29,6 +29,7 @@ from prp_gym.tasks.parts import (
     TaskParts,
     World,
 )
+from prp_gym.tasks.ranges import Draws
 from prp_gym.tasks.registration import register_task
 from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
@@ -91,24 +92,29 @@ class AdaptiveOptions:
         return {name: getattr(self, name) for name in PLANT_OPTIONS if getattr(self, name) is not None}
 
 
-def make_link(numbers: Mapping[str, float]) -> LinkParameters:
-    """Make the nominal link with some of its parameters replaced."""
-    return LinkParameters(
-        numbers.get("inertia", NOMINAL_LINK.inertia),
-        numbers.get("viscous_friction", NOMINAL_LINK.viscous_friction),
-        numbers.get("gravity_moment", NOMINAL_LINK.gravity_moment),
-    )
+class LinkPlants(NamedTuple):
+    """The links of n episodes.
+
+    Attributes:
+        inertia: Moments of inertia I (n) [kg m^2].
+        viscous_friction: Coefficients F of the viscous friction (n) [N m s/rad].
+        gravity_moment: Largest moments G of the weight (n) [N m].
+    """
+
+    inertia: Array
+    viscous_friction: Array
+    gravity_moment: Array
 
 
 @dataclass(frozen=True, eq=False)
 class LinkStart(EpisodeStart):
-    """The start of an episode with a plant of its own.
+    """The starts of n episodes with plants of their own.
 
     Attributes:
-        plant: Parameters of the link in this episode.
+        plant: Links of these episodes.
     """
 
-    plant: LinkParameters
+    plant: LinkPlants
 
 
 class LinkWorld(World[LinkStart]):
@@ -128,22 +134,14 @@ class LinkWorld(World[LinkStart]):
         """See `World.make_physics`."""
         return engines.make_link(self._engine, timestep, num_envs, num_threads)
 
-    def draw_plant(self, rng: np.random.Generator) -> None:
-        """See `World.draw_plant`: the plant is part of the start."""
+    def draw_plants(self, rngs: Sequence[np.random.Generator]) -> None:
+        """See `World.draw_plants`: the plants are part of the start."""
 
-    def configure(
-        self, physics: Simulation, ids: NDArray[np.intp], starts: Sequence[LinkStart], plants: Sequence[Any]
-    ) -> None:
+    def configure(self, physics: Simulation, ids: NDArray[np.intp], start: LinkStart, plants: None) -> None:
         """See `World.configure`."""
         if not isinstance(physics, LinkSimulation):
             raise InvalidValueError("physics", type(physics).__name__, "a LinkSimulation")
-        links = [start.plant for start in starts]
-        physics.set_parameters(
-            ids,
-            np.array([link.inertia for link in links]),
-            np.array([link.viscous_friction for link in links]),
-            np.array([link.gravity_moment for link in links]),
-        )
+        physics.set_parameters(ids, *start.plant)
 
 
 class LinkStarts(StartSampler[LinkStart]):
@@ -160,38 +158,41 @@ class LinkStarts(StartSampler[LinkStart]):
     }
 
     def __init__(self, setup: TaskSetup) -> None:
-        self._ranges, self._options = setup.ranges, setup.options
-
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> LinkStart:
-        """See `StartSampler.draw`."""
         names = ("joint_position", "amplitude", "frequency", "square_frequency", *PLANT_OPTIONS)
-        drawn = {name: self._ranges[name].draw(rng) for name in names}
-        numbers = {name: float(drawn[name][0]) for name in PLANT_OPTIONS}
-        given = {
-            name: within(name, options[name], _BOUNDS[name], option.unit)
-            for name, option in PLANT_OPTIONS.items()
-            if name in options
-        }
+        self._draws = Draws({name: setup.ranges[name] for name in names})
+        self._options, self._given = setup.options, setup.options.plant()
+
+    def draw(self, rngs: Sequence[np.random.Generator], options: Mapping[str, Array]) -> LinkStart:
+        """See `StartSampler.draw`."""
+        drawn = self._draws.draw(rngs)
         position = options.get("joint_position", drawn["joint_position"])
-        velocity = options.get("joint_velocity", np.zeros(1))
-        for what, value, bound in (
+        velocity = options.get("joint_velocity", np.zeros(position.shape))
+        for what, values, bound in (
             ("initial joint position", position, LINK_POSITION_BOUND),
             ("initial joint velocity", velocity, SPEED_BOUND[0]),
         ):
-            if abs(value[0]) > bound:
-                raise InvalidValueError(what, value.tolist(), f"within ±{bound:g}", "rad, rad/s")
-        plant = make_link(numbers | self._options.plant() | given)
-        return LinkStart(position, velocity, self._draw_trajectory(drawn), plant)
+            beyond = np.abs(values) > bound
+            if np.count_nonzero(beyond):
+                raise InvalidValueError(what, values[beyond][:1].tolist(), f"within ±{bound:g}", "rad, rad/s")
+        plant = LinkPlants(**{name: self._parameter(name, drawn, options) for name in PLANT_OPTIONS})
+        return LinkStart(position, velocity, self._make_trajectory(drawn), plant)
 
-    def _draw_trajectory(self, drawn: Mapping[str, Array]) -> Trajectory:
+    def _parameter(self, name: str, drawn: Mapping[str, Array], options: Mapping[str, Array]) -> Array:
+        """One parameter of the plants (n): an option overrides a keyword, which overrides drawn values."""
+        if name in options:
+            return each_within(name, options[name], _BOUNDS[name], PLANT_OPTIONS[name].unit)
+        values = drawn[name][:, 0]
+        return np.full(len(values), self._given[name]) if name in self._given else values
+
+    def _make_trajectory(self, drawn: Mapping[str, Array]) -> Trajectory:
         square = self._options.reference == "square"
         frequency = drawn["square_frequency" if square else "frequency"]
         if self._options.reference_frequency is not None:
-            frequency = np.array([self._options.reference_frequency])
-        rate = 2 * np.pi * frequency[None]
+            frequency = np.full(frequency.shape, self._options.reference_frequency)
+        zero, rate = np.zeros(frequency.shape), 2 * np.pi * frequency
         if square:
-            return SquareAcceleration(np.zeros((1, 1)), np.ones((1, 1)), rate)
-        return Sine(np.zeros((1, 1)), drawn["amplitude"][None], rate, np.zeros((1, 1)))
+            return SquareAcceleration(zero, np.ones(frequency.shape), rate)
+        return Sine(zero, drawn["amplitude"], rate, zero)
 
 
 class LinkReference(Reference):

@@ -1,6 +1,6 @@
 """PRP-ForcePosition-v0: press on a surface while moving along it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -44,12 +44,12 @@ class ReachWaypoints(QuinticWaypoints):
 
     @classmethod
     def through(cls, arm: PRPArm, times: Array, joints: Array) -> "ReachWaypoints":
-        """Make one row through joint positions (K, 3) [rad, m, rad] at given times (K) [s]."""
-        geometry = arm.parameters.geometry
-        d_2, a_3 = geometry.slide_offset, geometry.third_link_length
+        """Make n rows through joint positions (n, K, 3) [rad, m, rad] at given times (n, K) [s]."""
+        geometry, shape = arm.parameters.geometry, (len(times), 1)
         positions = joints.copy()
-        positions[:, 1] = arm.reach(joints)
-        return cls(times[None], positions[None], np.full((1, 1), d_2), np.full((1, 1), a_3))
+        positions[..., 1] = arm.reach(joints)
+        d_2, a_3 = np.full(shape, geometry.slide_offset), np.full(shape, geometry.third_link_length)
+        return cls(times, positions, d_2, a_3)
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
@@ -94,10 +94,12 @@ class ForcePositionOptions(ForceOptions):
 class HomeStarts(ContactStarts):
     """Samples starts at home, unless a reset option gives another joint position."""
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> ContactStart:
+    def draw(self, rngs: Sequence[np.random.Generator], options: Mapping[str, Array]) -> ContactStart:
         """See `StartSampler.draw`."""
-        drawn = super().draw(rng, options)
-        return drawn if "joint_position" in options else replace(drawn, joint_position=np.zeros(3))
+        drawn = super().draw(rngs, options)
+        if "joint_position" in options:
+            return drawn
+        return replace(drawn, joint_position=np.zeros_like(drawn.joint_position))
 
 
 def compose(setup: TaskSetup) -> TaskParts:

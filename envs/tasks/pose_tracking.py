@@ -1,22 +1,21 @@
 """PRP-PoseTracking-v0: follow a trajectory of the end effector's pose."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-
-import numpy as np
 
 from prp_gym.checks import choice
 from prp_gym.envs.base.arm_world import ArmWorld
 from prp_gym.envs.base.motion_errors import PoseErrors
 from prp_gym.envs.base.references import PoseSpaceReference
 from prp_gym.envs.base.scoring import POSE_SCORING
-from prp_gym.envs.base.tracking_starts import Draw, StartOptions, TrackingStarts, WaypointSampler
+from prp_gym.envs.base.tracking_starts import Made, StartOptions, TrackingStarts, WaypointSampler
 from prp_gym.envs.config import describe
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, TaskParts, observed_layout
+from prp_gym.tasks.ranges import Range
 from prp_gym.tasks.registration import register_task
-from prp_gym.tasks.scenario import Range
 from prp_gym.tasks.setup import TaskSetup
 from prp_gym.tasks.spec import TaskEntry, TaskSpec
 from prp_gym.tasks.trajectory import QuinticWaypoints
@@ -60,10 +59,10 @@ class PoseTrackingOptions(StartOptions):
 class PoseWaypointSampler(WaypointSampler):
     """Draws quintic segments of the pose through the poses of joint waypoints."""
 
-    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """See `ReferenceSampler.draw`; a goal replaces the last waypoint."""
-        joints = self.draw_waypoints(rng, joint_position, goal)
-        return QuinticWaypoints(joints.times, self.arm.forward_kinematics(joints.positions)), joint_position
+    def make(self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None) -> Made:
+        """See `ReferenceSampler.make`; a goal replaces the last waypoint."""
+        times, joints = self.path(drawn, joint_position, goal)
+        return QuinticWaypoints(times, self.arm.forward_kinematics(joints)), joint_position
 
 
 def compose(setup: TaskSetup) -> TaskParts:

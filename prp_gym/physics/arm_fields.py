@@ -15,6 +15,7 @@ from prp_gym.physics.model_fields import (
     check_not_negative,
     check_positive,
     check_rows,
+    rows_of,
 )
 from prp_gym.physics.surface import Surface, friction_reference, solver_reference
 from prp_gym.robot.arrays import Array, dot
@@ -42,35 +43,37 @@ class ArmFields(ModelFields):
 
     def __init__(self, batch: Batch) -> None:
         super().__init__(batch)
-        self._links = [batch.model.body(f"link_{i}").id for i in (1, 2, 3)]
-        self._springs = np.full(
-            (batch.nsim, 2), np.nan
-        )  # stiffness and damping of the surfaces that were set
+        model = batch.model
+        names = {model.body(index).name: index for index in range(model.nbody)}
+        self._links, self._surface = slice(names["link_1"], names["link_3"] + 1), names.get("surface")
+        self._mass, self._inertia = model.body_mass[self._links], model.body_inertia[self._links]
+        self._tip_body = names["link_3"]
+        self._nominal_weight = model.body_invweight0[self._tip_body, 0]
+        self._springs = np.full((batch.nsim, 2), np.nan)  # stiffness and damping of the surfaces set
 
     def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
         """See `Physics.set_surface`; the patch is drawn where `center` (3) [m] projects onto the plane."""
         check_rows("surface", surface.normal, (len(ids), 3))
-        self._springs[ids] = np.stack([surface.stiffness, surface.damping], axis=-1)
-        self._calibrate(ids)
+        rows = rows_of(ids, len(self._springs))
+        self._springs[rows, 0], self._springs[rows, 1] = surface.stiffness, surface.damping
+        self._calibrate(rows)
         gap = surface.offset - TIP_RADIUS - dot(surface.normal, center)
-        body = self.batch.model.body("surface").id
-        self.batch.expand("body_pos")[ids, body] = center + gap[:, None] * surface.normal
-        self.batch.expand("body_quat")[ids, body] = surface.quaternions()
+        self.batch.expand("body_pos")[rows, self._surface] = center + gap[:, None] * surface.normal
+        self.batch.expand("body_quat")[rows, self._surface] = surface.quaternions()
 
     def set_springs(self, ids: Ids, stiffness: Array, damping: Array) -> None:
         """See `Physics.set_springs`."""
         self._require_surface(ids)
         check_positive("surface stiffness", stiffness, (len(ids),), "N/m")
         check_not_negative("surface damping", damping, (len(ids),), "N·s/m")
-        self._springs[ids] = np.stack([stiffness, damping], axis=-1)
+        self._springs[ids, 0], self._springs[ids, 1] = stiffness, damping
         self._calibrate(ids)
 
     def surface(self, simulation: int) -> Surface:
         """See `Physics.surface`."""
         self._require_surface(np.array([simulation]))
-        body = self.batch.model.body("surface").id
-        center = self.batch.expand("body_pos")[simulation, body]
-        w, x, y, z = self.batch.expand("body_quat")[simulation, body]
+        center = self.batch.expand("body_pos")[simulation, self._surface]
+        w, x, y, z = self.batch.expand("body_quat")[simulation, self._surface]
         normal = np.array([[2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]])
         stiffness, damping = self._springs[simulation : simulation + 1].T
         return Surface(stiffness, damping, normal, dot(normal, center) + TIP_RADIUS)
@@ -85,31 +88,27 @@ class ArmFields(ModelFields):
     ) -> None:
         """See `Physics.set_dynamics`."""
         check_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)
-        model, rows = self.batch.model, np.asarray(ids)[:, None]
-        inertia = mass_factor[:, :, None] * model.body_inertia[self._links]
-        self.batch.expand("body_mass")[rows, self._links] = mass_factor * model.body_mass[self._links]
-        self.batch.expand("body_inertia")[rows, self._links] = inertia
-        self.batch.expand("dof_damping")[ids] = viscous_friction
-        self.batch.expand("dof_frictionloss")[ids] = coulomb_friction
-        self.batch.set_const(ids)
-        self._calibrate(ids[~np.isnan(self._springs[ids, 0])])
+        rows = rows_of(ids, len(self._springs))
+        self.batch.expand("body_mass")[rows, self._links] = mass_factor * self._mass
+        self.batch.expand("body_inertia")[rows, self._links] = mass_factor[:, :, None] * self._inertia
+        self.batch.expand("dof_damping")[rows] = viscous_friction
+        self.batch.expand("dof_frictionloss")[rows] = coulomb_friction
+        self.batch.set_const(None if isinstance(rows, slice) else rows)
+        self._calibrate(rows)
 
-    def _calibrate(self, ids: Ids) -> None:
+    def _calibrate(self, rows: Ids | slice) -> None:
         """Recompute the contact parameters, so that the springs keep their values when masses change."""
-        if len(ids) == 0:
+        if self._surface is None:
             return
-        weight = self._inverse_weight(ids)
-        stiffness, damping = self._springs[ids].T
-        self.batch.expand("pair_solref")[ids, 0] = solver_reference(stiffness, damping, weight)
-        self.batch.expand("pair_solreffriction")[ids, 0] = friction_reference(weight)
-
-    def _inverse_weight(self, ids: Ids) -> Array:
-        """(n) `body_invweight0` (translation) of the tip's body [1/kg]."""
-        tip_body = self._links[-1]
+        springs = self._springs[rows]
+        if np.count_nonzero(np.isnan(springs)):  # some surfaces were never set
+            rows = np.arange(len(self._springs))[rows][~np.isnan(springs[:, 0])]
+            springs = self._springs[rows]
         own = self.batch.expanded("body_invweight0")
-        if own is None:
-            return np.full(len(ids), self.batch.model.body_invweight0[tip_body, 0])
-        return np.array(own[ids, tip_body, 0])
+        weight = np.full(len(springs), self._nominal_weight) if own is None else own[rows, self._tip_body, 0]
+        reference = solver_reference(springs[:, 0], springs[:, 1], weight)
+        self.batch.expand("pair_solref")[rows, 0] = reference
+        self.batch.expand("pair_solreffriction")[rows, 0] = friction_reference(weight)
 
     def copy(self) -> dict[str, Array]:
         """Values of all fields that differ, by name, and of the springs."""

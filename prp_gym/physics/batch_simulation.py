@@ -8,11 +8,11 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.errors import InvalidValueError
 from prp_gym.physics.abstract_simulation import PhysicsState, Simulation
 from prp_gym.physics.clock import stop_clock_once
 from prp_gym.physics.lost_batch import LostBatch, rebuild_after_fork
-from prp_gym.physics.model_fields import Ids, ModelFields, check_rows
+from prp_gym.physics.model_fields import Ids, ModelFields, check_states, rows_of
 from prp_gym.physics.sensor_layout import NO_COLUMNS, SensorLayout
 from prp_gym.robot.arrays import Array
 
@@ -89,7 +89,9 @@ class BatchSimulation(Simulation):
         in_contact = layout.contact_force != NO_COLUMNS
         self._stage = int(stages.mjSTAGE_ACC if in_contact else stages.mjSTAGE_VEL)
         self._timestep = float(model.opt.timestep)
-        self._batch.reset(stage=self._stage)
+        self._batch.reset(stage=int(stages.mjSTAGE_NONE))
+        self._state_at_home = np.array(self._batch.state[0])
+        self._batch.forward(stage=self._stage)
         self._guard(layout)
 
     def _guard(self, layout: SensorLayout) -> None:
@@ -100,6 +102,7 @@ class BatchSimulation(Simulation):
         self._warnings = self._batch.warning[:, _BAD_STATE, 1]  # numbers of warnings
         self._no_warning = np.full_like(self._warnings, _NO_WARNING)
         self._warnings[:] = _NO_WARNING
+        self._warnings_at_home = self._batch.warning[0].copy()
         self._without_warning = self._warnings.tobytes()
 
     def _view_of(self, columns: slice, width: int) -> Array:
@@ -209,15 +212,13 @@ class BatchSimulation(Simulation):
             ShapeError: an argument has another shape; nothing is changed.
             NonFiniteError: the state contains NaN or infinity; nothing is changed.
         """
-        for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
-            check_rows(what, values, (len(ids), self.joint_count))
-            if not np.isfinite(values).all():
-                raise NonFiniteError(what, np.asarray(values).tolist())
-        self._batch.reset(ids, stage=int(mujoco.mjtStage.mjSTAGE_NONE))
-        self._warnings[ids] = _NO_WARNING
-        self._position[ids] = joint_position
-        self._velocity[ids] = joint_velocity
-        self._batch.forward(ids, stage=self._stage)
+        check_states((len(ids), self.joint_count), joint_position, joint_velocity)
+        rows = rows_of(ids, self.num_simulations)
+        self._batch.state[rows] = self._state_at_home
+        self._batch.warning[rows] = self._warnings_at_home
+        self._position[rows] = joint_position
+        self._velocity[rows] = joint_velocity
+        self._batch.forward(None if isinstance(rows, slice) else rows, stage=self._stage)
 
     def snapshot(self) -> PhysicsState:
         """Copy of the full state of the simulations: physical state, solver's warm start, models."""

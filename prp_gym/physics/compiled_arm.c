@@ -54,18 +54,21 @@ static inline int prp_inside(const prp_world *world, const double *q, const doub
     return 1;
 }
 
-/* Advance and measure; every array has a row for each arm. Returns whether all are within limits.
+/* Advance and measure some arms, from the first on: those of `rows`, or all in order where it is null. Every
+   array has a row for each arm. Returns whether these arms are within limits.
 
    measured: joint position, joint velocity, pose, pose rate, contact force; beyond: how far joints are beyond
    their stops; lost: whether an arm has left the bounds, where it stays. */
 int prp_advance(
-    long first, long count, const prp_world *world, double *restrict position, double *restrict velocity,
-    const double *restrict torque, const double *restrict plants, const double *restrict surfaces,
-    double *restrict measured, double *restrict beyond, unsigned char *restrict lost)
+    long first, long count, const long *rows, const prp_world *world, double *restrict position,
+    double *restrict velocity, const double *restrict torque, const double *restrict plants,
+    const double *restrict surfaces, double *restrict measured, double *restrict beyond,
+    unsigned char *restrict lost)
 {
     const int width = world->surface ? 21 : 18;
     int inside = 1;
-    for (long row = first; row < first + count; row++) {
+    for (long index = first; index < first + count; index++) {
+        const long row = rows ? rows[index] : index;
         double *q = position + 3 * row, *v = velocity + 3 * row;
         const double *tau = torque + 3 * row, *plant = plants + PRP_PLANT * row;
         const double *surface = surfaces + PRP_SURFACE * row;
@@ -97,4 +100,13 @@ int prp_advance(
         inside &= !lost[row];
     }
     return inside;
+}
+
+/* Set the plants of `rows`; dynamics has the columns mass factors, viscous friction, Coulomb friction. */
+void prp_set_plants(long count, const long *rows, const double *restrict dynamics, double *restrict plants)
+{
+    for (long index = 0; index < count; index++) {
+        const double *given = dynamics + 9 * rows[index];
+        prp_plant_row(given, given + 3, given + 6, plants + PRP_PLANT * rows[index]);
+    }
 }

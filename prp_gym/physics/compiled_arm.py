@@ -45,7 +45,7 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
         size = MEASUREMENT_SIZE + (3 if self.settings.surface else 0)
         super().__init__(arm_source(self.settings.timestep), size, num_simulations, num_threads)
         self.world.stops, self.world.surface = self.settings.joint_stops, self.settings.surface
-        self._plants, self._surfaces = Plants(num_simulations), Surfaces(num_simulations)
+        self._plants, self._surfaces = Plants(num_simulations, self._library), Surfaces(num_simulations)
         self._begin(self._plants.rows, self._surfaces.rows)
 
     @property

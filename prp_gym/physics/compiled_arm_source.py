@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from prp_gym.physics.closed_form import ClosedForm, PlantArm, Rows, SurfaceRows, surface_force
+from prp_gym.physics.plant_rows import plant_row
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, apply, solve_symmetric
 from prp_gym.robot.dynamics import BaseParameters
@@ -83,7 +84,7 @@ def solver_functions() -> str:
 
 def _formulas(timestep: float) -> dict[str, tuple[Callable[..., Mapping[str, Any]], dict[str, Any]]]:
     """The formulas by name, with the shapes of their arguments."""
-    plant = {"plant": (PLANT_SIZE,)}
+    plants = {"plant": (PLANT_SIZE,)}
     surface = {"surface": (SURFACE_SIZE,)}
     row = {"along": (3,), "reference": (1,), "weight": (1,)}
 
@@ -117,15 +118,19 @@ def _formulas(timestep: float) -> dict[str, tuple[Callable[..., Mapping[str, Any
         low, high = np.array(NOMINAL.joint_lower), np.array(NOMINAL.joint_upper)
         return {"beyond": np.minimum(np.minimum(q - low, high - q), 0.0)}
 
+    def plant(mass_factor: Any, viscous_friction: Any, coulomb_friction: Any) -> Mapping[str, Any]:
+        return {"plant": plant_row(mass_factor, viscous_friction, coulomb_friction)}
+
     return {
-        "unconstrained": (unconstrained, {**_STATE, "torque": (3,), **plant}),
-        "friction_rows": (friction_rows, {**_STATE, **plant}),
-        "stop_rows": (stop_rows, {**_STATE, **plant}),
-        "surface_row": (surface_row, {**_STATE, **plant, **surface}),
+        "unconstrained": (unconstrained, {**_STATE, "torque": (3,), **plants}),
+        "friction_rows": (friction_rows, {**_STATE, **plants}),
+        "stop_rows": (stop_rows, {**_STATE, **plants}),
+        "surface_row": (surface_row, {**_STATE, **plants, **surface}),
         "surface_force": (force, {**_FORCES, **row}),
-        "advanced": (advanced, {**_STATE, **plant, **_FORCES}),
+        "advanced": (advanced, {**_STATE, **plants, **_FORCES}),
         "measured": (measured, _STATE),
         "beyond": (beyond, {"q": (3,)}),
+        "plant_row": (plant, {"mass_factor": (3,), "viscous_friction": (3,), "coulomb_friction": (3,)}),
     }
 
 

@@ -2,13 +2,15 @@
 
 /* See prp_advance of compiled_arm.c; measured: joint position, joint velocity. */
 int prp_advance(
-    long first, long count, const prp_world *world, double *restrict position, double *restrict velocity,
-    const double *restrict torque, const double *restrict plants, const double *restrict surfaces,
-    double *restrict measured, double *restrict beyond, unsigned char *restrict lost)
+    long first, long count, const long *rows, const prp_world *world, double *restrict position,
+    double *restrict velocity, const double *restrict torque, const double *restrict plants,
+    const double *restrict surfaces, double *restrict measured, double *restrict beyond,
+    unsigned char *restrict lost)
 {
     int inside = 1;
     (void)surfaces, (void)beyond;
-    for (long row = first; row < first + count; row++) {
+    for (long index = first; index < first + count; index++) {
+        const long row = rows ? rows[index] : index;
         double *q = position + row, *v = velocity + row, later, faster;
         for (int k = 0; k < world->substeps && !lost[row]; k++) {
             prp_link_step(q, v, torque + row, plants + 3 * row, &later, &faster);

@@ -12,9 +12,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, NonFiniteError
+from prp_gym.errors import InvalidValueError
 from prp_gym.physics.abstract_simulation import PhysicsState, Simulation
-from prp_gym.physics.model_fields import Ids, check_rows
+from prp_gym.physics.model_fields import Ids, check_states, rows_of
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
 
@@ -76,13 +76,14 @@ class CompiledSimulation(Simulation):
         self.num_simulations = num_simulations
         self.num_threads = num_threads or (os.cpu_count() or 1)
         self.measurement_size = measurement_size
-        self.source = source
-        self._function = load_library(source).prp_advance
+        self.source, self._library = source, load_library(source)
+        self._function = self._library.prp_advance
         self._function.restype = ctypes.c_int
         shape = (num_simulations, self.joint_count)
         self._position, self._velocity, self._torque = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         self._measured = np.zeros((num_simulations, measurement_size))
         self._beyond, self._no_force = np.zeros(shape), np.zeros((num_simulations, 3))
+        self._indices = np.arange(num_simulations, dtype=np.dtype(ctypes.c_long))
         self._lost = np.zeros(num_simulations, dtype=np.uint8)
         self._within_limits = True
         self._threads: ThreadPoolExecutor | None = None
@@ -144,9 +145,17 @@ class CompiledSimulation(Simulation):
         parts = zip(edges[:-1], np.diff(edges).tolist(), strict=True)
         return list(self._pool(workers).map(lambda part: function(*part), parts))
 
-    def _advance_rows(self, first: int, count: int) -> int:
+    def _measure_some(self, ids: Ids) -> None:
+        """Measure the present state of some simulations; the others keep their measurements."""
+        rows = self._indices[ids]
+        self.world.substeps = 0
+        self._advance_rows(0, len(rows), ctypes.c_void_p(rows.ctypes.data))
+        self._within_limits = not (np.count_nonzero(self._beyond) or np.count_nonzero(self._lost))
+
+    def _advance_rows(self, first: int, count: int, rows: ctypes.c_void_p | None = None) -> int:
+        """Advance `count` simulations from `first` on, in the order of the C array `rows` if there is one."""
         result: int = self._function(
-            ctypes.c_long(first), ctypes.c_long(count), ctypes.byref(self.world), *self._addresses
+            ctypes.c_long(first), ctypes.c_long(count), rows, ctypes.byref(self.world), *self._addresses
         )
         return result
 
@@ -215,13 +224,14 @@ class CompiledSimulation(Simulation):
 
     def reset(self, ids: Ids, joint_position: Array, joint_velocity: Array) -> None:
         """See `Simulation.reset`."""
-        for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
-            check_rows(what, values, (len(ids), self.joint_count))
-            if not np.isfinite(values).all():
-                raise NonFiniteError(what, np.asarray(values).tolist())
-        self._position[ids], self._velocity[ids] = joint_position, joint_velocity
-        self._torque[ids], self._lost[ids] = 0.0, 0
-        self.advance(0)
+        check_states((len(ids), self.joint_count), joint_position, joint_velocity)
+        rows = rows_of(ids, self.num_simulations)
+        self._position[rows], self._velocity[rows] = joint_position, joint_velocity
+        self._torque[rows], self._lost[rows] = 0.0, 0
+        if isinstance(rows, slice):
+            self.advance(0)
+        else:
+            self._measure_some(rows)
 
     def snapshot(self) -> PhysicsState:
         """See `Simulation.snapshot`."""

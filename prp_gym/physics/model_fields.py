@@ -7,7 +7,7 @@ import numpy as np
 from mujoco.batch import Batch
 from numpy.typing import NDArray
 
-from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.robot.arrays import Array
 
 Ids = NDArray[np.intp]
@@ -21,6 +21,27 @@ def check_rows(what: str, values: Array, shape: tuple[int, ...]) -> None:
     """
     if np.shape(values) != shape:
         raise ShapeError(what, np.shape(values), f"{shape}")
+
+
+def check_states(shape: tuple[int, int], joint_position: Array, joint_velocity: Array) -> None:
+    """Check what `Simulation.reset` takes.
+
+    Raises:
+        ShapeError: an array of another shape.
+        NonFiniteError: NaN or infinity.
+    """
+    for what, values in (("joint_position", joint_position), ("joint_velocity", joint_velocity)):
+        check_rows(what, values, shape)
+        if np.count_nonzero(np.isfinite(values)) < np.size(values):
+            raise NonFiniteError(what, np.asarray(values).tolist())
+
+
+def rows_of(ids: Ids, count: int) -> slice | Ids:
+    """The index of some simulations among `count`; that of all in order is a slice, which is faster."""
+    if len(ids) != count or ids[0] != 0 or ids[-1] != count - 1:
+        return ids
+    rising = count < 3 or np.count_nonzero(ids[1:] > ids[:-1]) == count - 1
+    return slice(None) if rising else ids
 
 
 def check_positive(what: str, values: Array, shape: tuple[int, ...], unit: str = "") -> None:
@@ -63,7 +84,7 @@ def check_link(ids: Ids, inertia: Array, viscous_friction: Array, gravity_moment
 
 def _check_range(what: str, values: Array, within: NDArray[np.bool_], allowed: str, unit: str) -> None:
     good = np.isfinite(values) & within
-    if not good.all():
+    if np.count_nonzero(good) < good.size:
         raise InvalidValueError(what, float(np.asarray(values)[~good][0]), allowed, unit)
 
 

@@ -1,16 +1,14 @@
 """`Plants`: masses and friction of N arms, as the closed form takes them."""
 
+import ctypes
 from collections.abc import Mapping
-from dataclasses import astuple
 
 import numpy as np
 
-from prp_gym.physics.closed_form import PlantArm
 from prp_gym.physics.compiled_arm_source import PLANT, PLANT_SIZE
 from prp_gym.physics.model_fields import Ids, check_dynamics
-from prp_gym.robot.arrays import Array, dot, solve_symmetric
-from prp_gym.robot.dynamics import BaseParameters
-from prp_gym.robot.parameters import NOMINAL, RobotParameters
+from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import NOMINAL
 
 _DYNAMICS = "dynamics"
 
@@ -20,12 +18,16 @@ class Plants:
 
     Args:
         count: Number of simulations N.
+        library: Compiled code of `arm_source`.
 
     Attributes:
         rows: Plants (N, `PLANT_SIZE`), with the columns of `PLANT`.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, library: ctypes.CDLL) -> None:
+        self._function = library.prp_set_plants
+        self._function.restype = None
+        self._indices = np.arange(count, dtype=np.dtype(ctypes.c_long))
         self.rows = np.zeros((count, PLANT_SIZE))
         self._dynamics = np.zeros((count, 9))  # mass factors, viscous and Coulomb friction
         nominal = np.ones(3), np.array(NOMINAL.viscous_friction), np.array(NOMINAL.coulomb_friction)
@@ -40,10 +42,9 @@ class Plants:
         """See `ArmSimulation.set_dynamics`."""
         check_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)
         self._dynamics[ids] = np.concatenate([mass_factor, viscous_friction, coulomb_friction], axis=-1)
-        base = base_parameters(NOMINAL, mass_factor)
-        weights = inverse_weights(PlantArm(base, viscous_friction))
-        columns = (np.stack(astuple(base), axis=-1), viscous_friction, *weights, coulomb_friction)
-        self.rows[ids] = np.concatenate(columns, axis=-1)
+        indices = self._indices[ids]
+        addresses = (ctypes.c_void_p(array.ctypes.data) for array in (indices, self._dynamics, self.rows))
+        self._function(ctypes.c_long(len(indices)), *addresses)
 
     def dynamics(self, simulation: int) -> tuple[Array, Array, Array]:
         """Mass factors, viscous and Coulomb friction (1, 3) of one simulation."""
@@ -57,27 +58,3 @@ class Plants:
     def restore(self, kept: Mapping[str, Array]) -> None:
         """Restore what `copy` returned."""
         self.set(np.arange(len(self.rows)), *np.split(kept[_DYNAMICS], 3, axis=-1))
-
-
-def base_parameters(parameters: RobotParameters, mass_factor: Array) -> BaseParameters:
-    """The base parameters of arms whose links are heavier by factors (n, 3), arrays (n) each."""
-    links = list(zip(mass_factor.T, parameters.link_mass, parameters.link_inertia, strict=True))
-    masses = [factor * mass for factor, mass, _ in links]
-    inertias = [[factor * moment for moment in moments] for factor, _, moments in links]
-    return BaseParameters.of_links(parameters.geometry, masses, inertias)
-
-
-def inverse_weights(arm: PlantArm) -> tuple[Array, Array]:
-    """MuJoCo's `dof_invweight0` (n, 3) and that of the third link's translation (n, 1).
-
-    Source: [M] Computation, Solver parameters: diag B⁻¹, and the mean of diag J B⁻¹Jᵀ with the Jacobian J of
-        the link's centre of mass, at q = 0.
-    """
-    geometry = arm.parameters.geometry
-    B = arm.inertia_matrix(np.zeros((np.size(arm.base_parameters.first_axis), 3)))
-    inverse = np.stack([solve_symmetric(B, column + np.zeros(B.shape[:-1])) for column in np.eye(3)], axis=-1)
-    reach, a_1 = geometry.slide_offset + geometry.third_link_center_of_mass, geometry.first_link_offset
-    J = np.array([[reach, 0.0, 0.0], [a_1, -1.0, 0.0], [0.0, 0.0, geometry.third_link_center_of_mass]])
-    spread = [dot(row, np.stack([dot(inverse[..., i, :], row) for i in range(3)], axis=-1)) for row in J]
-    mean = (spread[0] + spread[1] + spread[2]) / 3.0
-    return np.stack([inverse[..., i, i] for i in range(3)], axis=-1), mean[..., None]

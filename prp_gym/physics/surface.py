@@ -1,12 +1,11 @@
 """The elastic surface: a plane that acts on the tip as a unilateral spring and damper."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.checks import as_numbers, check_finite
+from prp_gym.checks import LARGEST, as_numbers, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array, norm
 
@@ -20,6 +19,7 @@ IMPEDANCE = 1e-4
 IMPEDANCE_RATIO = 3000.0
 """MuJoCo's impratio in worlds with friction; with such a stiff friction the normal force is not affected."""
 
+_LEAST = np.array([[1e-300], [0.0], [1e-300], [0.0]])  # usual stiffness, damping, normal and offset
 _FRICTION_DAMPING = 300.0  # [N s/m]: below a slip speed of mu f_n / this, friction is viscous
 
 
@@ -48,35 +48,50 @@ class Surface:
     offset: Array
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "damping", "normal", "offset"):
-            own = as_numbers(f"surface {name}", getattr(self, name))
-            own.flags.writeable = False
-            object.__setattr__(self, name, own)
-        count = self.stiffness.shape[0] if self.stiffness.ndim == 1 else 0
-        for name in ("stiffness", "damping", "normal", "offset"):
-            shape = (count, 3) if name == "normal" else (count,)
-            if count == 0 or getattr(self, name).shape != shape:
+        own = {name: as_numbers(f"surface {name}", value) for name, value in vars(self).items()}
+        count = len(own["stiffness"]) if own["stiffness"].ndim == 1 else 0
+        for name, values in own.items():
+            if count == 0 or values.shape != ((count, 3) if name == "normal" else (count,)):
                 expected = "(n, 3)" if name == "normal" else "(n,), n at least 1"
-                raise ShapeError(f"surface {name}", getattr(self, name).shape, expected)
+                raise ShapeError(f"surface {name}", values.shape, expected)
+            values.flags.writeable = False
+        vars(self).update(own)
+        largest = np.abs(self.normal).max(axis=-1)
+        values = np.array([self.stiffness, self.damping, largest, np.abs(self.offset)])
+        usual = (values >= _LEAST) & (values <= LARGEST)
+        if np.count_nonzero(usual) < usual.size:
+            self._check(largest)
+        self._normalise(largest)
+
+    def _check(self, largest: Array) -> None:
+        """Refuse values that are not allowed; those beyond the usual ones may be.
+
+        Args:
+            largest: The largest components of the normals (n).
+        """
         self._require("stiffness", self.stiffness > 0.0, "above 0", "N/m")
         self._require("damping", self.damping >= 0.0, "at least 0", "N·s/m")
-        largest = np.abs(self.normal).max(axis=-1)
         self._require("normal", largest > 0.0, "a vector of positive length", "")
         self._require("offset", np.isfinite(self.offset), "a finite number", "m")
         for name in ("stiffness", "damping", "offset"):
             check_finite(f"surface {name}", getattr(self, name))
-        scaled = self.normal / largest[:, None]  # so that the squares neither underflow nor overflow
+
+    def _normalise(self, largest: Array) -> None:
+        """Scale the normals to unit length.
+
+        Args:
+            largest: Their largest components (n), without which squares may underflow or overflow.
+        """
+        scaled = self.normal / largest[:, None]
         normal = scaled / norm(scaled)[:, None]
         normal.flags.writeable = False
         object.__setattr__(self, "normal", normal)
 
     def _require(self, name: str, good: NDArray[np.bool_], allowed: str, unit: str) -> None:
         values = getattr(self, name)
-        good = good & np.isfinite(values).reshape(len(good), -1).all(axis=1)
-        if not good.all():
-            raise InvalidValueError(
-                f"surface {name}", values[~good][0].tolist(), f"{allowed} and finite", unit
-            )
+        bad = ~(good & np.isfinite(values).reshape(len(good), -1).all(axis=1))
+        if bad.any():
+            raise InvalidValueError(f"surface {name}", values[bad][0].tolist(), f"{allowed} and finite", unit)
 
     @classmethod
     def single(
@@ -90,22 +105,19 @@ class Surface:
             np.atleast_1d(as_numbers("surface offset", offset, "m")),
         )
 
-    @classmethod
-    def concatenate(cls, surfaces: Sequence["Surface"]) -> "Surface":
-        """Surface with the planes of several surfaces, in order."""
-        return cls(
-            np.concatenate([surface.stiffness for surface in surfaces]),
-            np.concatenate([surface.damping for surface in surfaces]),
-            np.concatenate([surface.normal for surface in surfaces]),
-            np.concatenate([surface.offset for surface in surfaces]),
-        )
+    def normalised_again(self) -> "Surface":
+        """The same planes, their normals scaled to unit length once more, which rounds their lengths less."""
+        again = object.__new__(Surface)  # without the checks, which these planes have passed
+        vars(again).update(vars(self))
+        again._normalise(np.abs(self.normal).max(axis=-1))
+        return again
 
     def quaternions(self) -> Array:
         """Quaternions (n, 4) (w, x, y, z) that rotate the z axis into the normals."""
-        x, y, z = self.normal[:, 0], self.normal[:, 1], self.normal[:, 2]
-        quaternion = np.stack([1.0 + z, -y, x, np.zeros_like(z)], axis=-1)
-        down = z < -1.0 + 1e-12
-        quaternion[down] = (0.0, 1.0, 0.0, 0.0)
+        z = self.normal[:, 2]
+        quaternion = np.zeros((len(z), 4))
+        quaternion[:, 0], quaternion[:, 1], quaternion[:, 2] = 1.0 + z, -self.normal[:, 1], self.normal[:, 0]
+        quaternion[z < -1.0 + 1e-12] = (0.0, 1.0, 0.0, 0.0)
         unit: Array = quaternion / norm(quaternion)[:, None]
         return unit
 
@@ -122,7 +134,9 @@ def friction_reference(inverse_weight: Array) -> Array:
     Source: [M] Computation, Solver parameters.
     """
     damping = _FRICTION_DAMPING * inverse_weight * (1.0 - IMPEDANCE) / IMPEDANCE_RATIO
-    return np.stack([np.zeros_like(damping), -damping], axis=-1)
+    reference = np.zeros((len(damping), 2))
+    reference[:, 1] = -damping
+    return reference
 
 
 def solver_reference(stiffness: Array, damping: Array, inverse_weight: Array) -> Array:
@@ -140,4 +154,6 @@ def solver_reference(stiffness: Array, damping: Array, inverse_weight: Array) ->
         (-K Â (1-d), -D Â (1-d)) give the normal force K depth + D rate.
     """
     scale = -inverse_weight * (1.0 - IMPEDANCE)
-    return np.stack([stiffness * scale, damping * scale], axis=-1)
+    reference = np.empty((len(scale), 2))
+    reference[:, 0], reference[:, 1] = stiffness * scale, damping * scale
+    return reference

@@ -61,7 +61,7 @@ class InverseKinematics(Kinematics):
             NonFiniteError: NaN or infinity in the point.
         """
         point = as_vectors(tip_position, "tip_position")
-        low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
+        low, high = self.joint_limits
         joints = self._turned_into_range(branches(self, point))
         inside = (joints >= low - _TOLERANCE) & (joints <= high + _TOLERANCE)
         within = np.logical_and.reduce(inside, axis=-1)
@@ -93,7 +93,8 @@ class InverseKinematics(Kinematics):
         reachable = valid.any(axis=-1)
         if not reachable.all():
             raise self._unreachable(point[~reachable][0])
-        span = np.array(self.parameters.joint_upper) - np.array(self.parameters.joint_lower)
+        low, high = self.joint_limits
+        span = high - low
         distance = total(np.square((joints - start[..., None, :]) / span))
         best = np.where(valid, distance, np.inf).argmin(axis=-1)
         chosen: Array = np.take_along_axis(joints, best[..., None, None], axis=-2)[..., 0, :]
@@ -119,7 +120,7 @@ class InverseKinematics(Kinematics):
         return joints
 
     def _unreachable(self, point: Array) -> UnreachableError:
-        low, high = np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
+        low, high = self.joint_limits
         joints = self._turned_into_range(branches(self, point))
         clipped = np.clip(joints, low, high)
         misses = norm(self.forward_kinematics(clipped)[..., :3] - point)

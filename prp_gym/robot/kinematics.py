@@ -4,22 +4,26 @@ Symbols: S_i = sin q_i, C_i = cos q_i, L = q_2 + d̄_2 + a_3 C_3. World frame: z
 """
 
 import math
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array, as_vectors, broadcast, matrix_like, multiply, zeros
+from prp_gym.robot.components import components, from_components, sine_and_cosine
 from prp_gym.robot.parameters import NOMINAL, RobotParameters
 
 
 class _Trigonometry(NamedTuple):
-    sin_1: Array
-    cos_1: Array
-    sin_3: Array
-    cos_3: Array
-    reach: Array
+    """Sines, cosines and reach of joint positions: arrays (...), of a single position numbers."""
+
+    sin_1: Any
+    cos_1: Any
+    sin_3: Any
+    cos_3: Any
+    reach: Any
 
 
 class Kinematics:
@@ -48,13 +52,16 @@ class Kinematics:
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.parameters!r})"
 
+    @cached_property
+    def joint_limits(self) -> tuple[Array, Array]:
+        """The lower and the upper joint limits (3) [rad, m, rad]."""
+        return np.array(self.parameters.joint_lower), np.array(self.parameters.joint_upper)
+
     def _trigonometry(self, q: Array) -> _Trigonometry:
-        geometry = self.parameters.geometry
-        angles = q[..., ::2]
-        sine, cosine = np.sin(angles), np.cos(angles)
-        cos_3 = cosine[..., 1]
-        reach = q[..., 1] + geometry.slide_offset + geometry.third_link_length * cos_3
-        return _Trigonometry(sine[..., 0], cosine[..., 0], sine[..., 1], cos_3, reach)
+        geometry, (q_1, q_2, q_3) = self.parameters.geometry, components(q)
+        sin_3, cos_3 = sine_and_cosine(q_3)
+        reach = q_2 + geometry.slide_offset + geometry.third_link_length * cos_3
+        return _Trigonometry(*sine_and_cosine(q_1), sin_3, cos_3, reach)
 
     def forward_kinematics(self, joint_position: ArrayLike) -> Array:
         """Pose of the end effector.
@@ -75,15 +82,16 @@ class Kinematics:
         return self._pose(q, self._trigonometry(q))
 
     def _pose(self, q: Array, trig: _Trigonometry) -> Array:
-        geometry = self.parameters.geometry
-        pose = zeros((*q.shape[:-1], 6), q)
-        pose[..., 0] = trig.reach * trig.sin_1 + geometry.first_link_offset * trig.cos_1
-        pose[..., 1] = -trig.reach * trig.cos_1 + geometry.first_link_offset * trig.sin_1
-        pose[..., 2] = geometry.base_height + geometry.third_link_length * trig.sin_3
-        pose[..., 3] = q[..., 0]
-        pose[..., 4] = math.pi / 2 - q[..., 2]
-        pose[..., 5] = math.pi / 2
-        return pose
+        geometry, (q_1, _, q_3) = self.parameters.geometry, components(q)
+        pose = {
+            0: trig.reach * trig.sin_1 + geometry.first_link_offset * trig.cos_1,
+            1: -trig.reach * trig.cos_1 + geometry.first_link_offset * trig.sin_1,
+            2: geometry.base_height + geometry.third_link_length * trig.sin_3,
+            3: q_1,
+            4: math.pi / 2 - q_3,
+            5: math.pi / 2,
+        }
+        return from_components(pose, (6,), q)
 
     def reach(self, joint_position: ArrayLike) -> Array:
         """L = q_2 + d̄_2 + a_3 C_3, the distance of the tip from joint 1's axis along the slide.
@@ -99,7 +107,8 @@ class Kinematics:
 
         Source: [R] 1.3.
         """
-        return self._trigonometry(as_vectors(joint_position, "joint_position")).reach
+        q = as_vectors(joint_position, "joint_position")
+        return from_components({0: self._trigonometry(q).reach}, (), q)
 
     def transforms(self, joint_position: ArrayLike) -> Array:
         """All Denavit-Hartenberg frames, expressed in the world frame.
@@ -157,11 +166,11 @@ class Kinematics:
         return self._jacobian(q, self._trigonometry(q))
 
     def _jacobian(self, q: Array, trig: _Trigonometry) -> Array:
-        J_A = matrix_like(q, 6, 3)
-        self._fill_linear_rows(trig, J_A)
-        J_A[..., 3, 0] = 1.0
-        J_A[..., 4, 2] = -1.0
-        return J_A
+        return from_components(self._jacobian_entries(trig), (6, 3), q)
+
+    def _jacobian_entries(self, trig: _Trigonometry) -> dict[int, Any]:
+        """The entries of J_A (6, 3), by position in the flattened matrix."""
+        return self._linear_rows(trig) | {9: 1.0, 14: -1.0}
 
     def geometric_jacobian(self, joint_position: ArrayLike) -> Array:
         """J_G with (ṗ, ω) = J_G q̇; the linear rows equal those of J_A.
@@ -178,22 +187,22 @@ class Kinematics:
         Source: [S] 3.1; [R] 1.5.
         """
         q = as_vectors(joint_position, "joint_position")
-        J_G = matrix_like(q, 6, 3)
-        self._fill_linear_rows(self._trigonometry(q), J_G)
-        J_G[..., 3, 2] = -np.cos(q[..., 0])
-        J_G[..., 4, 2] = -np.sin(q[..., 0])
-        J_G[..., 5, 0] = 1.0
-        return J_G
+        trig = self._trigonometry(q)
+        turning = {11: -trig.cos_1, 14: -trig.sin_1, 15: 1.0}
+        return from_components(self._linear_rows(trig) | turning, (6, 3), q)
 
-    def _fill_linear_rows(self, trig: _Trigonometry, jacobian: Array) -> None:
+    def _linear_rows(self, trig: _Trigonometry) -> dict[int, Any]:
+        """The entries of a Jacobian (6, 3) for the tip position, by position in the flattened matrix."""
         a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
-        jacobian[..., 0, 0] = trig.reach * trig.cos_1 - a_1 * trig.sin_1
-        jacobian[..., 0, 1] = trig.sin_1
-        jacobian[..., 0, 2] = -a_3 * trig.sin_1 * trig.sin_3
-        jacobian[..., 1, 0] = trig.reach * trig.sin_1 + a_1 * trig.cos_1
-        jacobian[..., 1, 1] = -trig.cos_1
-        jacobian[..., 1, 2] = a_3 * trig.cos_1 * trig.sin_3
-        jacobian[..., 2, 2] = a_3 * trig.cos_3
+        return {
+            0: trig.reach * trig.cos_1 - a_1 * trig.sin_1,
+            1: trig.sin_1,
+            2: -a_3 * trig.sin_1 * trig.sin_3,
+            3: trig.reach * trig.sin_1 + a_1 * trig.cos_1,
+            4: -trig.cos_1,
+            5: a_3 * trig.cos_1 * trig.sin_3,
+            8: a_3 * trig.cos_3,
+        }
 
     def analytical_jacobian_derivative(self, joint_position: ArrayLike, joint_velocity: ArrayLike) -> Array:
         """Time derivative of J_A along a motion: ẍ = J_A q̈ + J̇_A q̇.
@@ -216,19 +225,23 @@ class Kinematics:
         return self._jacobian_derivative(velocity, self._trigonometry(q))
 
     def _jacobian_derivative(self, velocity: Array, trig: _Trigonometry) -> Array:
+        return from_components(self._derivative_entries(components(velocity), trig), (6, 3), velocity)
+
+    def _derivative_entries(self, velocity: list[Any], trig: _Trigonometry) -> dict[int, Any]:
+        """The entries of J̇_A (6, 3), by position in the flattened matrix."""
         a_1, a_3 = self.parameters.geometry.first_link_offset, self.parameters.geometry.third_link_length
         s_1, c_1, s_3, c_3, reach = trig
-        w_1, v_2, w_3 = velocity[..., 0], velocity[..., 1], velocity[..., 2]
+        w_1, v_2, w_3 = velocity
         reach_rate = v_2 - a_3 * s_3 * w_3
-        derivative = matrix_like(velocity, 6, 3)
-        derivative[..., 0, 0] = reach_rate * c_1 - (reach * s_1 + a_1 * c_1) * w_1
-        derivative[..., 0, 1] = c_1 * w_1
-        derivative[..., 0, 2] = -a_3 * (c_1 * s_3 * w_1 + s_1 * c_3 * w_3)
-        derivative[..., 1, 0] = reach_rate * s_1 + (reach * c_1 - a_1 * s_1) * w_1
-        derivative[..., 1, 1] = s_1 * w_1
-        derivative[..., 1, 2] = a_3 * (c_1 * c_3 * w_3 - s_1 * s_3 * w_1)
-        derivative[..., 2, 2] = -a_3 * s_3 * w_3
-        return derivative
+        return {
+            0: reach_rate * c_1 - (reach * s_1 + a_1 * c_1) * w_1,
+            1: c_1 * w_1,
+            2: -a_3 * (c_1 * s_3 * w_1 + s_1 * c_3 * w_3),
+            3: reach_rate * s_1 + (reach * c_1 - a_1 * s_1) * w_1,
+            4: s_1 * w_1,
+            5: a_3 * (c_1 * c_3 * w_3 - s_1 * s_3 * w_1),
+            8: -a_3 * s_3 * w_3,
+        }
 
     def euler_rate_map(self, joint_position: ArrayLike) -> Array:
         """T_A with J_G = T_A J_A, for the arm's constant γ.

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from prp_gym.robot.arrays import Array, apply, as_vectors, broadcast, solve_least_squares, zeros
+from prp_gym.robot.components import components, from_components, product
 from prp_gym.robot.inverse_kinematics import InverseKinematics
 
 
@@ -37,9 +38,15 @@ class MotionConversion(InverseKinematics):
             as_vectors(joint_acceleration, "joint_acceleration"),
         )
         trig = self._trigonometry(q)
-        J_A = self._jacobian(q, trig)
-        drift = apply(self._jacobian_derivative(velocity, trig), velocity)
-        return self._pose(q, trig), apply(J_A, velocity), apply(J_A, acceleration) + drift
+        J_A, moving = self._jacobian_entries(trig), components(velocity)
+        rate, held = product(J_A, 6, moving), product(J_A, 6, components(acceleration))
+        drift = product(self._derivative_entries(moving, trig), 6, moving)
+        second = {index: a + b for index, (a, b) in enumerate(zip(held, drift, strict=True))}
+        return (
+            self._pose(q, trig),
+            from_components(dict(enumerate(rate)), (6,), q),
+            from_components(second, (6,), q),
+        )
 
     def joint_position_of_pose(self, pose: ArrayLike) -> Array:
         """The joint position of a pose, without regard to the joint limits.

@@ -11,9 +11,10 @@ from prp_gym.tasks.parts import (
     World,
     observed_layout,
 )
+from prp_gym.tasks.ranges import Range
 from prp_gym.tasks.registration import list_envs, register_task
 from prp_gym.tasks.reward import Reward, RewardTerm
-from prp_gym.tasks.scenario import SCENARIOS, Range, Scenario
+from prp_gym.tasks.scenario import SCENARIOS, Scenario
 from prp_gym.tasks.setup import TaskNumbers, TaskSetup
 from prp_gym.tasks.spec import TASKS, Criterion, TaskEntry, TaskScoring, TaskSpec
 from prp_gym.tasks.target_model import Displacement, TargetModel

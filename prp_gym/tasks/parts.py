@@ -23,12 +23,12 @@ if TYPE_CHECKING:  # with MuJoCo, which declarations do not need
 
 @dataclass(frozen=True, eq=False)
 class EpisodeStart:
-    """How one episode of one environment starts.
+    """How the episodes of n environments start.
 
     Attributes:
-        joint_position: Initial joint position (joints) [rad, m, rad].
-        joint_velocity: Initial joint velocity (joints) per second.
-        trajectory: Reference trajectory of the episode, one row.
+        joint_position: Initial joint positions (n, joints) [rad, m, rad].
+        joint_velocity: Initial joint velocities (n, joints) per second.
+        trajectory: Reference trajectories of the episodes, n rows.
     """
 
     joint_position: Array
@@ -70,17 +70,11 @@ class World(ABC, Generic[StartT]):
         """The simulation of N environments, integrated in steps of `timestep` [s]."""
 
     @abstractmethod
-    def draw_plant(self, rng: np.random.Generator) -> Any:
-        """Draw how the robot of one episode differs from the nominal one."""
+    def draw_plants(self, rngs: Sequence[np.random.Generator]) -> Any:
+        """Draw how the robots of n episodes differ from the nominal one, each with its own generator."""
 
     @abstractmethod
-    def configure(
-        self,
-        physics: "Simulation",
-        ids: NDArray[np.intp],
-        starts: Sequence[StartT],
-        plants: Sequence[Any],
-    ) -> None:
+    def configure(self, physics: "Simulation", ids: NDArray[np.intp], start: StartT, plants: Any) -> None:
         """Set the plants and surroundings of new episodes in some simulations (n)."""
 
 
@@ -96,15 +90,15 @@ class StartSampler(ABC, Generic[StartT]):
     greatest_stiffness: float = math.inf
 
     @abstractmethod
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> StartT:
-        """Draw how one episode starts.
+    def draw(self, rngs: Sequence[np.random.Generator], options: Mapping[str, Array]) -> StartT:
+        """Draw how n episodes start.
 
         Args:
-            rng: Generator of the environment; the same numbers are drawn whatever the options.
-            options: Validated values, by names of `reset_options`, that replace drawn ones.
+            rngs: Generators of the environments (n); the same numbers are drawn whatever the options.
+            options: Validated values (n, ...), by names of `reset_options`, that replace drawn ones.
 
         Returns:
-            The start of the episode.
+            The starts of the episodes.
 
         Raises:
             JointLimitError: a start or goal outside the joint limits.
@@ -142,14 +136,12 @@ class Reference(ABC):
         """The references of some environments (n), or of all."""
         return self.trajectory if ids is None else self.trajectory.rows(ids)
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
         """Begin new episodes in some environments (n); the first call covers every environment."""
-        rows = [start.trajectory for start in starts]
-        stacked = type(rows[0]).concatenate(rows)
         if self._trajectory is None:
-            self._trajectory = stacked
+            self._trajectory = start.trajectory.rows(ids)
         else:
-            self._trajectory.assign(ids, stacked)
+            self._trajectory.assign(ids, start.trajectory)
 
     @abstractmethod
     def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
@@ -185,7 +177,7 @@ class ErrorFunction(ABC):
         """Axes (6) of the target's `inertia`, `damping` and `stiffness`; empty where there is no target."""
         return {}
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:  # noqa: B027 (most have no state)
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:  # noqa: B027 (most have no state)
         """Begin new episodes in some environments (n); the first call covers every environment."""
 
     def advance(self, ground_truth: Array) -> None:  # noqa: B027

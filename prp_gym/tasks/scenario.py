@@ -1,57 +1,26 @@
 """Scenarios: how much the conditions of an episode differ from the ideal ones, as data."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from prp_gym.robot.arrays import Array, elementwise
+from prp_gym.robot.arrays import Array
+from prp_gym.tasks.ranges import Draws, Range
 
 SCENARIOS = ("report", "randomized", "realistic")
 
 
-@dataclass(frozen=True)
-class Range:
-    """A box from which vectors are drawn uniformly; nested lists of a data file are flattened.
-
-    Attributes:
-        low: Lower corner of the box.
-        high: Upper corner of the box.
-        logarithmic: Whether the logarithms of the values are uniformly distributed, instead of the values.
-    """
-
-    low: tuple[float, ...]
-    high: tuple[float, ...]
-    logarithmic: bool = False
-
-    @cached_property
-    def _corners(self) -> tuple[Array, Array]:
-        low, high = np.array(self.low), np.array(self.high)
-        return (elementwise(math.log, low), elementwise(math.log, high)) if self.logarithmic else (low, high)
-
-    @classmethod
-    def from_table(cls, table: Mapping[str, Any]) -> "Range":
-        """Make a range from a table of a data file."""
-        low, high = (tuple(np.ravel(table[name]).tolist()) for name in ("low", "high"))
-        return cls(low, high, bool(table.get("logarithmic", False)))
-
-    def draw(self, rng: np.random.Generator) -> Array:
-        """Draw one vector."""
-        drawn = rng.uniform(*self._corners)
-        return elementwise(math.exp, drawn) if self.logarithmic else drawn
-
-
 @dataclass(frozen=True, eq=False)
 class PlantDraw:
-    """How one episode's plant differs from the nominal arm.
+    """How the plants of n episodes differ from the nominal arm.
 
     Attributes:
-        mass_factor: Factors on the link masses (3).
-        viscous_friction: Viscous friction F_v of the joints (3) [N m s/rad, N s/m, N m s/rad].
-        coulomb_friction: Coulomb friction F_s of the joints (3) [N m, N, N m].
+        mass_factor: Factors on the link masses (n, 3).
+        viscous_friction: Viscous friction F_v of the joints (n, 3) [N m s/rad, N s/m, N m s/rad].
+        coulomb_friction: Coulomb friction F_s of the joints (n, 3) [N m, N, N m].
     """
 
     mass_factor: Array
@@ -112,14 +81,17 @@ class Scenario:
             force_bias=float(table["force_bias"]),
         )
 
-    @property
+    @cached_property
     def ideal_plant(self) -> bool:
         """Whether the plant is the nominal arm in every episode."""
         unit = self.mass_factor.low == self.mass_factor.high == (1.0, 1.0, 1.0)
         return unit and not any(self.viscous_friction.high) and not any(self.coulomb_friction.high)
 
-    def draw_plant(self, rng: np.random.Generator) -> PlantDraw:
-        """Draw the plant of one episode."""
-        return PlantDraw(
-            self.mass_factor.draw(rng), self.viscous_friction.draw(rng), self.coulomb_friction.draw(rng)
-        )
+    @cached_property
+    def _plants(self) -> Draws:
+        names = ("mass_factor", "viscous_friction", "coulomb_friction")
+        return Draws({name: getattr(self, name) for name in names})
+
+    def draw_plants(self, rngs: Sequence[np.random.Generator]) -> PlantDraw:
+        """Draw the plants of n episodes, each with its own generator."""
+        return PlantDraw(**self._plants.draw(rngs))

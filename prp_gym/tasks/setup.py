@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from prp_gym.files.file_reader import FileReader
+from prp_gym.tasks.ranges import Range
 from prp_gym.tasks.reward import RewardTerm
-from prp_gym.tasks.scenario import Range, Scenario
+from prp_gym.tasks.scenario import Scenario
 
 
 @dataclass(frozen=True)

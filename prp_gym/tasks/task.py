@@ -82,27 +82,25 @@ class Task:
         """See `World.make_physics`."""
         return self.parts.world.make_physics(timestep, num_envs, num_threads)
 
-    def draw(self, rng: np.random.Generator, options: Mapping[str, Array]) -> Any:
+    def draw(self, rngs: Sequence[np.random.Generator], options: Mapping[str, Array]) -> Any:
         """See `StartSampler.draw`."""
-        return self.parts.starts.draw(rng, options)
+        return self.parts.starts.draw(rngs, options)
 
-    def draw_plant(self, rng: np.random.Generator) -> Any:
-        """See `World.draw_plant`."""
-        return self.parts.world.draw_plant(rng)
+    def draw_plants(self, rngs: Sequence[np.random.Generator]) -> Any:
+        """See `World.draw_plants`."""
+        return self.parts.world.draw_plants(rngs)
 
-    def configure(
-        self, physics: "Simulation", ids: NDArray[np.intp], starts: Sequence[Any], plants: Sequence[Any]
-    ) -> None:
+    def configure(self, physics: "Simulation", ids: NDArray[np.intp], start: Any, plants: Any) -> None:
         """See `World.configure`."""
-        self.parts.world.configure(physics, ids, starts, plants)
+        self.parts.world.configure(physics, ids, start, plants)
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
         """Begin new episodes in some environments (n); the others are left as they are.
 
         The first call covers every environment.
         """
-        self.parts.reference.begin(ids, starts)
-        self.parts.errors.begin(ids, starts)
+        self.parts.reference.begin(ids, start)
+        self.parts.errors.begin(ids, start)
 
     def reference(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
         """See `Reference.sample`."""

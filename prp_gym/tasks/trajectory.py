@@ -4,10 +4,9 @@ A position has d components: the joints [rad, m, rad], one joint, or a pose [m, 
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,9 +39,11 @@ class Trajectory(ABC):
 
     def __post_init__(self) -> None:
         for name in _names(type(self)):
-            numbers = as_array(name, getattr(self, name))
+            given = getattr(self, name)
+            numbers = as_array(name, given)
             check_finite(name, numbers)
-            object.__setattr__(self, name, numbers)
+            if numbers is not given:
+                object.__setattr__(self, name, numbers)
         self._check_shapes()
 
     def _check_shapes(self) -> None:
@@ -88,19 +89,17 @@ class Trajectory(ABC):
     def goal(self) -> Array:
         """The position where the trajectory ends or about which it moves (N, d)."""
 
-    @classmethod
-    def concatenate(cls, rows: Sequence[Self]) -> Self:
-        """Join several trajectories of one kind, in order."""
-        return cls(**{name: np.concatenate([getattr(row, name) for row in rows]) for name in _names(cls)})
-
     def rows(self, ids: NDArray[np.intp]) -> Self:
-        """The trajectories of some rows."""
-        return type(self)(**{name: getattr(self, name)[ids] for name in _names(type(self))})
+        """The trajectories of some rows, as copies."""
+        taken = object.__new__(type(self))  # without the checks, which all rows have passed
+        vars(taken).update({name: values[ids] for name, values in vars(self).items()})
+        return taken
 
     def assign(self, ids: NDArray[np.intp], rows: Self) -> None:
         """Replace some rows."""
+        own, others = vars(self), vars(rows)
         for name in _names(type(self)):
-            getattr(self, name)[ids] = getattr(rows, name)
+            own[name][ids] = others[name]
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,25 +243,36 @@ class QuinticWaypoints(Trajectory):
             raise InvalidValueError(
                 "waypoints' shape", self.positions.shape, "(N, K, d) with K times, K >= 2"
             )
-        if not (np.diff(self.times, axis=-1) >= _LEAST_INTERVAL).all():
+        apart = self.times[:, 1:] - self.times[:, :-1]
+        if np.count_nonzero(apart >= _LEAST_INTERVAL) < apart.size:
             allowed = f"strictly increasing, by {_LEAST_INTERVAL:g} s at least"
             raise InvalidValueError("waypoint times", self.times.tolist(), allowed, "s")
 
     def sample(self, time: Array) -> Array:
         """See `Trajectory.sample`."""
         time = self._times(time)
+        if time.size == len(self.times) == 1 and type(time) is np.ndarray is type(self.times):
+            return self._sample_one(time)
         last = self.times.shape[-1] - 2
-        segment = np.clip((time[..., None] >= self.times).sum(axis=-1) - 1, 0, last)
+        passed = (time[..., None] >= self.times).sum(axis=-1)
+        segment = np.minimum(np.maximum(passed - 1, 0), last)
         row = np.arange(self.times.shape[0])
         begin, end = self.times[row, segment], self.times[row, segment + 1]
         start, stop = self.positions[row, segment], self.positions[row, segment + 1]
         span = (end - begin)[..., None]
-        s = np.clip((time - begin) / (end - begin), 0.0, 1.0)[..., None]
-        move = stop - start
-        position = start + move * (s * s**2 * (10.0 - 15.0 * s + 6.0 * s**2))
-        velocity = move * (30.0 * s**2 * (1.0 - s) ** 2) / span
-        acceleration = move * (60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)) / span**2
-        return np.concatenate([position, velocity, acceleration], axis=-1)
+        s = np.minimum(np.maximum((time - begin)[..., None] / span, 0.0), 1.0)
+        return np.concatenate(quintic(start, stop - start, s, span), axis=-1)
+
+    def _sample_one(self, time: Array) -> Array:
+        """A sample of one trajectory at one time: numbers are faster than arrays, with the same bits."""
+        now, times = time.item(), self.times[0].tolist()
+        passed = sum(now >= moment for moment in times)
+        segment = min(max(passed - 1, 0), len(times) - 2)
+        span = times[segment + 1] - times[segment]
+        s = min(max((now - times[segment]) / span, 0.0), 1.0)
+        start, stop = self.positions[0, segment : segment + 2].tolist()
+        motions = [quintic(begin, end - begin, s, span) for begin, end in zip(start, stop, strict=True)]
+        return np.array(list(zip(*motions, strict=True))).reshape(*time.shape, -1)
 
     @property
     def is_constant(self) -> bool:
@@ -273,3 +283,21 @@ class QuinticWaypoints(Trajectory):
     def goal(self) -> Array:
         """The last waypoint."""
         return self.positions[:, -1]
+
+
+def quintic(start: Any, move: Any, s: Any, span: Any) -> tuple[Any, Any, Any]:
+    """Position, velocity and acceleration on a quintic segment between two rests; numbers or arrays.
+
+    Args:
+        start: Position at the beginning.
+        move: Way to the end.
+        s: Share of the segment's time, 0 to 1.
+        span: The segment's time [s].
+
+    Source: [S] 4.2.2; boundary conditions of [R] 7.1.
+    """
+    square, rest = s * s, 1.0 - s
+    position = start + move * (s * square * (10.0 - 15.0 * s + 6.0 * square))
+    velocity = move * (30.0 * square * (rest * rest)) / span
+    acceleration = move * (60.0 * s * rest * (1.0 - 2.0 * s)) / (span * span)
+    return position, velocity, acceleration

@@ -1,6 +1,5 @@
 """A restored environment continues with the task of the saved one, including its state."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,8 +20,8 @@ REGULATION = TASKS["PRP-JointRegulation-v0"]
 class RestlessErrors(JointErrors):
     """Errors whose weight depends on the start of the episode."""
 
-    def begin(self, ids: NDArray[np.intp], starts: Sequence[Any]) -> None:
-        self.weight = 1.0 + abs(float(starts[0].joint_position[0]))
+    def begin(self, ids: NDArray[np.intp], start: Any) -> None:
+        self.weight = 1.0 + abs(float(start.joint_position[0, 0]))
 
     def errors(self, ground_truth: Array, torque: Array) -> Array:
         return self.weight * super().errors(ground_truth, torque)

@@ -3,6 +3,7 @@
 import copy
 import itertools
 import pickle
+from dataclasses import fields
 
 import mujoco
 import numpy as np
@@ -112,8 +113,9 @@ def test_the_bits_depend_neither_on_the_number_of_simulations_nor_on_threads() -
     q = rng.uniform([-2.0, -0.3, -3.0], [2.0, 0.0, 3.0], (256, 3))
     factor, friction = rng.uniform(0.8, 1.2, (256, 3)), rng.uniform(0.0, 0.3, (256, 3))
     plane = Surface.single(500.0, (0.0, -1.0, 0.0), 0.2, 3.0)
+    planes = Surface(*(np.repeat(getattr(plane, part.name), 256, axis=0) for part in fields(Surface)))
     many.set_dynamics(rows, factor, friction, friction)
-    many.set_surface(rows, Surface.concatenate([plane] * 256))
+    many.set_surface(rows, planes)
     many.reset(rows, q, np.zeros((256, 3)))
     one.set_dynamics(rows[:1], factor[200:201], friction[200:201], friction[200:201])
     one.set_surface(rows[:1], plane)

@@ -10,6 +10,7 @@ from prp_gym.envs.base.contact_starts import ContactStart, ContactWorld
 from prp_gym.physics import TIP_RADIUS, Physics, PhysicsSettings, Surface
 from prp_gym.robot.arrays import Array
 from tests.support.contact_episodes import ARM, CONTACT_IDS, depth_of, environment, ground_truth_of
+from tests.support.drawn_starts import drawn_start
 
 BOUND = 1e-14  # some roundings of lengths below 1 m
 
@@ -34,8 +35,7 @@ def begun(environment_id: str, seed: int, scenario: str, **options: Any) -> tupl
     env.reset(seed=seed, options=options)
     assert isinstance(env.task.parts.world, ContactWorld)
     assert isinstance(env.physics, Physics)
-    given = {name: np.array(value, dtype=np.float64) for name, value in options.items()}
-    start = env.task.draw(np.random.default_rng(seed), given)
+    start = drawn_start(env.task, seed, options)
     np.testing.assert_array_equal(ground_truth_of(env)["joint_position"], start.joint_position)
     return env.physics, start
 

@@ -14,6 +14,7 @@ from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import Constant, QuinticWaypoints, Trajectory
 from prp_gym.tasks.task import Task
+from tests.support.drawn_starts import drawn_start
 
 ARM = PRPArm()
 KOLMOGOROV = 1.95  # of sqrt(n) D, exceeded once in a thousand samples
@@ -37,8 +38,7 @@ def task_of(environment_id: str, scenario: str = "randomized", **keywords: Any) 
 
 
 def draw(task: Task, seed: int, **options: Any) -> ContactStart:
-    given = {name: np.array(value, dtype=np.float64) for name, value in options.items()}
-    start = task.draw(np.random.default_rng(seed), given)
+    start = drawn_start(task, seed, options)
     assert isinstance(start, ContactStart)
     return start
 

@@ -9,12 +9,20 @@ from hypothesis import strategies as st
 
 from prp_gym.envs.base.scenarios import load_scenario
 from prp_gym.errors import UnknownNameError
+from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS, Range, Scenario
+from prp_gym.tasks.ranges import Draws
 
 SEEDS = st.integers(0, 2**32 - 1)
 LOADED = {name: load_scenario(name) for name in SCENARIOS}
 NONE = (0.0, 0.0, 0.0)
 UNIT = (1.0, 1.0, 1.0)
+
+
+def draw(box: Range, rng: np.random.Generator) -> Array:
+    """One vector from one range."""
+    vectors: Array = Draws({"vector": box}).draw([rng])["vector"]
+    return np.array(vectors[0])
 
 
 @pytest.fixture(params=SCENARIOS)
@@ -30,7 +38,7 @@ def test_range_flattens_nested_lists() -> None:
 @given(SEEDS)
 def test_draws_lie_in_their_range(seed: int) -> None:
     box = Range((-1.0, 0.0, 5.0), (1.0, 0.5, 5.0))
-    drawn = box.draw(np.random.default_rng(seed))
+    drawn = draw(box, np.random.default_rng(seed))
     assert drawn.shape == (3,)
     assert (drawn >= box.low).all()
     assert (drawn <= box.high).all()
@@ -39,7 +47,7 @@ def test_draws_lie_in_their_range(seed: int) -> None:
 
 def test_draws_cover_their_range() -> None:
     rng = np.random.default_rng(0)
-    drawn = np.array([Range((-1.0,), (3.0,)).draw(rng) for _ in range(4000)])
+    drawn = np.array([draw(Range((-1.0,), (3.0,)), rng) for _ in range(4000)])
     # the mean of 4000 uniform numbers on [-1, 3] has standard deviation 4/sqrt(12*4000) = 0.018: 5 of them
     assert drawn.mean() == pytest.approx(1.0, abs=0.09)
     # the chance that the extreme of 4000 misses the end by 0.02 is 0.995^4000 = 2e-9
@@ -56,8 +64,8 @@ def test_range_is_logarithmic_where_its_table_says_so() -> None:
 @given(SEEDS)
 def test_logarithmic_draws_lie_in_their_range_and_use_the_same_random_numbers(seed: int) -> None:
     low, high = (50.0, 1e-3, 7.0), (5000.0, 1e3, 7.0)
-    drawn = Range(low, high, logarithmic=True).draw(np.random.default_rng(seed))
-    shares = Range((0.0,) * 3, (1.0,) * 3).draw(np.random.default_rng(seed))
+    drawn = draw(Range(low, high, logarithmic=True), np.random.default_rng(seed))
+    shares = draw(Range((0.0,) * 3, (1.0,) * 3), np.random.default_rng(seed))
     # an exponential of a logarithm, of at most 9: some roundings
     np.testing.assert_allclose(drawn, np.array(low) * (np.array(high) / low) ** shares, rtol=1e-14)
     assert (drawn >= np.array(low) * (1 - 1e-14)).all()
@@ -66,7 +74,7 @@ def test_logarithmic_draws_lie_in_their_range_and_use_the_same_random_numbers(se
 
 def test_logarithmic_draws_are_uniform_over_the_decades() -> None:
     rng = np.random.default_rng(0)
-    drawn = np.array([Range((50.0,), (5000.0,), logarithmic=True).draw(rng)[0] for _ in range(4000)])
+    drawn = np.array([draw(Range((50.0,), (5000.0,), logarithmic=True), rng)[0] for _ in range(4000)])
     # a quarter of the draws in each half decade: five standard deviations of 4000 such tosses
     counts = np.histogram(np.log10(drawn / 50.0), bins=[0.0, 0.5, 1.0, 1.5, 2.0])[0]
     np.testing.assert_allclose(counts / 4000, 0.25, rtol=0, atol=5 * np.sqrt(0.25 * 0.75 / 4000))
@@ -113,19 +121,19 @@ def test_realistic_departs_from_the_nominal_arm_as_the_design_document_says() ->
 @given(SEEDS)
 def test_drawn_plants_lie_in_the_declared_ranges(seed: int) -> None:
     for scenario in LOADED.values():
-        plant = scenario.draw_plant(np.random.default_rng(seed))
+        plant = scenario.draw_plants([np.random.default_rng(seed)])
         for values, box in (
             (plant.mass_factor, scenario.mass_factor),
             (plant.viscous_friction, scenario.viscous_friction),
             (plant.coulomb_friction, scenario.coulomb_friction),
         ):
-            assert values.shape == (3,)
+            assert values.shape == (1, 3)
             assert (values >= box.low).all()
             assert (values <= box.high).all()
 
 
 def test_plants_of_the_realistic_scenario_differ_between_seeds() -> None:
-    one, other = (LOADED["realistic"].draw_plant(np.random.default_rng(seed)) for seed in (0, 1))
+    one, other = (LOADED["realistic"].draw_plants([np.random.default_rng(seed)]) for seed in (0, 1))
     assert (one.mass_factor != other.mass_factor).all()
     assert (one.viscous_friction != other.viscous_friction).all()
     assert (one.coulomb_friction != other.coulomb_friction).all()
@@ -135,7 +143,7 @@ def test_every_scenario_takes_as_many_random_numbers_for_its_plant() -> None:
     following = set()
     for scenario in LOADED.values():
         rng = np.random.default_rng(3)
-        scenario.draw_plant(rng)
+        scenario.draw_plants([rng])
         following.add(rng.random())
     assert len(following) == 1
 

@@ -242,26 +242,28 @@ def test_many_trajectories_at_many_times_equal_one_at_one_time(kind: str) -> Non
             np.testing.assert_array_equal(single.sample(time[moment, row : row + 1])[0], values[moment, row])
 
 
-def test_rows_concatenate_and_assign_move_whole_trajectories(kind: str) -> None:
+def test_rows_and_assign_move_whole_trajectories(kind: str) -> None:
     rng = np.random.default_rng(3)
     trajectory, other = KINDS[kind](rng, 4), KINDS[kind](rng, 2)
     time = rng.uniform(0.0, 4.0, size=(5, 4))
-    singles = [trajectory.rows(np.array([row])) for row in range(4)]
-    joined = type(trajectory).concatenate(singles)
-    np.testing.assert_array_equal(joined.sample(time), trajectory.sample(time))
+    taken = trajectory.rows(np.array([2, 0, 1, 3]))
+    np.testing.assert_array_equal(
+        taken.sample(time), trajectory.sample(time[:, [1, 2, 0, 3]])[:, [2, 0, 1, 3]]
+    )
     ids = np.array([3, 1])
-    joined.assign(ids, other)
-    np.testing.assert_array_equal(joined.sample(time)[:, ids], other.sample(time[:, ids]))
-    rest = np.array([0, 2])
-    np.testing.assert_array_equal(joined.sample(time)[:, rest], trajectory.sample(time)[:, rest])
-    np.testing.assert_array_equal(joined.goal[ids], other.goal)
+    taken.assign(ids, other)
+    np.testing.assert_array_equal(taken.sample(time)[:, ids], other.sample(time[:, ids]))
+    for row, source in ((0, 2), (2, 1)):
+        alone = trajectory.rows(np.array([source]))
+        np.testing.assert_array_equal(taken.sample(time)[:, [row]], alone.sample(time[:, [row]]))
+    np.testing.assert_array_equal(taken.goal[ids], other.goal)
 
 
-def test_concatenation_copies_its_rows() -> None:
-    row = Constant(np.array([[1.0, 2.0, 3.0]]))
-    joined = Constant.concatenate([row])
-    joined.assign(np.array([0]), Constant(np.zeros((1, 3))))
-    np.testing.assert_array_equal(row.position, [[1.0, 2.0, 3.0]])
+def test_rows_are_copies() -> None:
+    trajectory = Constant(np.array([[1.0, 2.0, 3.0]]))
+    taken = trajectory.rows(np.array([0]))
+    taken.assign(np.array([0]), Constant(np.zeros((1, 3))))
+    np.testing.assert_array_equal(trajectory.position, [[1.0, 2.0, 3.0]])
 
 
 def test_goal_is_position_centre_or_last_waypoint() -> None:

@@ -39,7 +39,7 @@ class Press(NamedTuple):
 def grid(stiffnesses: Array) -> list[Press]:
     """Every stiffness with every contact point and pose."""
     return [
-        Press(float(K), ContactPoint(PRPArm(), np.array([q_1, slide, q_3]), -1.0), {})
+        Press(float(K), ContactPoint(PRPArm(), np.array([q_1, slide, q_3]), np.array(-1.0)), {})
         for K in stiffnesses
         for slide in SLIDE_POSITIONS
         for q_1, q_3 in POSES

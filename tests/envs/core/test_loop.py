@@ -263,14 +263,14 @@ def test_drawn_plant_is_the_one_that_is_simulated(scenario: str) -> None:
     loop.reset(np.array([1, 2]), generators([11, 12]), NONE)
     for index, seed in enumerate([0, 11, 12, 3]):
         rng, model = np.random.default_rng(seed), loop.physics.model(index)
-        loop.task.draw(rng, NONE)
-        plant = loop.task.scenario.draw_plant(rng)
+        loop.task.draw([rng], NONE)
+        plant = loop.task.scenario.draw_plants([rng])
         links = [model.body(f"link_{link}").id for link in (1, 2, 3)]
         # one product each
-        masses = plant.mass_factor * NOMINAL.link_mass
+        masses = plant.mass_factor[0] * NOMINAL.link_mass
         np.testing.assert_allclose(model.body_mass[links], masses, rtol=1e-15)
-        np.testing.assert_array_equal(model.dof_damping, plant.viscous_friction)
-        np.testing.assert_array_equal(model.dof_frictionloss, plant.coulomb_friction)
+        np.testing.assert_array_equal(model.dof_damping, plant.viscous_friction[0])
+        np.testing.assert_array_equal(model.dof_frictionloss, plant.coulomb_friction[0])
 
 
 def test_torque_noise_differs_between_environments_and_between_episodes() -> None:

@@ -24,6 +24,7 @@ from tests.support.contact_episodes import (
     joint_targets,
     task_of,
 )
+from tests.support.drawn_starts import drawn_start
 
 SEEDS = st.integers(0, 2**32 - 1)
 HOME_POSE = (0.4, -0.54, 0.15, 0.0, np.pi / 2, np.pi / 2)  # [R] 1.2: a_1, -(d̄_2 + a_3), d_0
@@ -42,7 +43,7 @@ def reference_at(env: PRPEnv, time: float) -> Array:
 
 def random_point(rng: np.random.Generator) -> ContactPoint:
     joints = rng.uniform([-3.0, -0.28, -1.4], [3.0, -0.02, 1.4])
-    return ContactPoint(ARM, joints, float(rng.choice([-1.0, 1.0])))
+    return ContactPoint(ARM, joints, rng.choice([-1.0, 1.0], size=()))
 
 
 @given(SEEDS)
@@ -61,7 +62,7 @@ def test_surface_passes_through_the_tip_at_first_contact(seed: int) -> None:
     point = random_point(np.random.default_rng(seed))
     tip = ARM.forward_kinematics(point.joint_position)[:3]
     assert point.offset == pytest.approx(point.normal @ tip, abs=1e-15)
-    np.testing.assert_allclose(point.near(np.zeros(3)), point.joint_position, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(point.near(np.zeros((1, 3)))[0], point.joint_position, rtol=0, atol=1e-15)
 
 
 @given(SEEDS)
@@ -226,7 +227,7 @@ def test_options_do_not_change_what_else_is_drawn(environment_id: str) -> None:
     target_impedance = [{}, *({name: value} for name, value in given.items() if name in task.reset_options)]
     for options in target_impedance:
         rng = np.random.default_rng(5)
-        task.draw(rng, {name: np.array(value) for name, value in options.items()})
+        drawn_start(task, rng, options)
         states.append(rng.bit_generator.state)
     assert len(target_impedance) == (3 if environment_id == "PRP-Force-v0" else 4)
     assert states == states[:1] * len(target_impedance)

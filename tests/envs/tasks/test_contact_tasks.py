@@ -138,9 +138,9 @@ def test_drawn_surface_of_each_environment_is_its_own() -> None:
     task = task_of("PRP-Impedance-v0")
     physics = task.make_physics(0.001, 3, 1)
     starts = [draw(task, seed) for seed in range(3)]
-    plants = [task.draw_plant(np.random.default_rng(0)) for _ in starts]
+    rngs = [np.random.default_rng(seed) for seed in range(3)]
     inside = [start.joint_position for start in starts]
-    task.configure(physics, np.arange(3), starts, plants)
+    task.configure(physics, np.arange(3), task.draw(rngs, {}), task.draw_plants(rngs))
     # every tip 0.02 m inside its own surface along the slide, whose direction is the normal's
     for start, q in zip(starts, inside, strict=True):
         slide = start.surface.normal[0] @ (np.sin(q[0]), -np.cos(q[0]), 0.0)

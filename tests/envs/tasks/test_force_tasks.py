@@ -17,6 +17,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tasks import Constant
 from prp_gym.tasks.task import Task
 from tests.support.contact_episodes import joint_path, joint_targets
+from tests.support.drawn_starts import drawn_start
 
 FORCE, FORCE_POSITION = "PRP-Force-v0", "PRP-ForcePosition-v0"
 IDS = (FORCE, FORCE_POSITION)
@@ -38,7 +39,7 @@ def task_of(environment_id: str, **keywords: Any) -> Task:
 
 
 def draw(task: Task, seed: int, **options: Any) -> ContactStart:
-    start = task.draw(np.random.default_rng(seed), {n: np.array(value) for n, value in options.items()})
+    start = drawn_start(task, seed, options)
     assert isinstance(start, ContactStart)
     return start
 
@@ -120,10 +121,10 @@ def test_desired_force_is_observed_and_constant_in_the_world(environment_id: str
 
 def test_each_of_many_environments_keeps_its_own_force(environment_id: str) -> None:
     task = task_of(environment_id)
-    starts = [draw(task, seed) for seed in range(4)]
-    task.begin(np.arange(3), starts[:3])
-    task.begin(np.array([1]), starts[3:])
-    expected = np.array([starts[row].desired_force for row in (0, 3, 2)])
+    first, second = (task.draw([np.random.default_rng(s) for s in seeds], {}) for seeds in (range(3), [3]))
+    task.begin(np.arange(3), first)
+    task.begin(np.array([1]), second)
+    expected = np.array([draw(task, seed).desired_force for seed in (0, 3, 2)])
     everyone = task.reference(np.zeros((5, 3)))
     assert everyone.shape == (5, 3, 21)
     np.testing.assert_array_equal(everyone[..., 18:], np.broadcast_to(expected, (5, 3, 3)))
@@ -282,7 +283,11 @@ class Contact:
 
     def __init__(self, environment_id: str) -> None:
         self.task = task_of(environment_id)
-        self.task.begin(np.arange(1), [draw(self.task, 0)])
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin an episode."""
+        self.task.begin(np.arange(1), self.task.draw([np.random.default_rng(0)], {}))
 
     def step(self, force: float) -> tuple[float, float]:
         """Relative force error and disturbance of the contact after a step."""
@@ -320,5 +325,5 @@ def test_without_contact_and_after_its_loss_the_disturbance_is_one(environment_i
     assert contact.step(2.0)[1] == 0.0  # it had not been established
     assert contact.step(0.0)[1] == 1.0
     assert contact.step(2.0)[1] == pytest.approx(np.exp(-contact.task.period / 5.0))
-    contact.task.begin(np.arange(1), [draw(contact.task, 0)])
+    contact.begin()
     assert contact.step(2.0)[1] == 0.0

@@ -22,6 +22,7 @@ from prp_gym.tasks.reward import Reward
 from prp_gym.tasks.setup import TaskNumbers, TaskSetup
 from prp_gym.tasks.spec import TASKS, NoOptions
 from prp_gym.tasks.task import Task
+from tests.support.drawn_starts import drawn_start
 
 SEEDS = st.integers(0, 2**32 - 1)
 PERIOD = 0.002  # of control; nothing here depends on it [s]
@@ -59,7 +60,7 @@ def tasks(scenario: str) -> list[Task]:
 
 
 def draw(task: Task, seed: int, **options: Array) -> EpisodeStart:
-    start = task.draw(np.random.default_rng(seed), options)
+    start = drawn_start(task, seed, options)
     assert isinstance(start, EpisodeStart)
     return start
 
@@ -187,7 +188,7 @@ def test_options_do_not_change_what_else_is_drawn(scenario: str) -> None:
         states = []
         for options in ({}, {"goal": GOAL}, {"joint_position": START}, {"joint_velocity": SPEED}):
             rng = np.random.default_rng(5)
-            task.draw(rng, options)
+            drawn_start(task, rng, options)
             states.append(rng.bit_generator.state)
         assert states == states[:1] * 4
 

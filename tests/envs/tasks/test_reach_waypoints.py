@@ -36,13 +36,13 @@ def along_a_plane(rng: np.random.Generator) -> tuple[ReachWaypoints, Array]:
     waypoints[:, 0] = waypoints[0, 0]
     reach = waypoints[0, 1] + 0.24 * np.cos(waypoints[0, 2])
     waypoints[:, 1] = reach - 0.24 * np.cos(waypoints[:, 2])
-    return ReachWaypoints.through(ARM, times(rng), waypoints), waypoints
+    return ReachWaypoints.through(ARM, times(rng)[None], waypoints[None]), waypoints
 
 
 @given(SEEDS)
 def test_rates_are_derivatives(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    path = ReachWaypoints.through(ARM, times(rng), joints(rng))
+    path = ReachWaypoints.through(ARM, times(rng)[None], joints(rng)[None])
     inner = path.times[0, :-1] + rng.uniform(0.1, 0.9, size=(6, 3)) * np.diff(path.times[0])
     moments = np.concatenate([inner.ravel(), [0.0, path.times[0, -1] + 1.0]])[:, None]
     before, now, after = (path.sample(moments + shift) for shift in (-STEP, 0.0, STEP))
@@ -73,7 +73,7 @@ def test_tip_keeps_its_distance_from_the_plane(seed: int) -> None:
 def test_waypoints_are_rests(seed: int) -> None:
     rng = np.random.default_rng(seed)
     moments, waypoints = times(rng), joints(rng)
-    path = ReachWaypoints.through(ARM, moments, waypoints)
+    path = ReachWaypoints.through(ARM, moments[None], waypoints[None])
     values = path.sample(moments[:, None])[:, 0]
     # the reach comes and goes with a rounding of lengths below 1 m
     np.testing.assert_allclose(values[:, :3], waypoints, rtol=0, atol=1e-15)
@@ -89,7 +89,7 @@ def test_waypoints_are_rests(seed: int) -> None:
 def test_joint_1_and_the_reach_are_the_quintics_between_waypoints(seed: int) -> None:
     rng = np.random.default_rng(seed)
     waypoints, share = joints(rng, 2), rng.uniform()
-    path = ReachWaypoints.through(ARM, np.array([1.0, 3.0]), waypoints)
+    path = ReachWaypoints.through(ARM, np.array([[1.0, 3.0]]), waypoints[None])
     q = path.sample(np.array([1.0 + 2.0 * share]))[0, :3]
     done = share**3 * (10 - 15 * share + 6 * share**2)
     reach = waypoints[:, 1] + 0.24 * np.cos(waypoints[:, 2])  # less d̄_2
@@ -101,32 +101,33 @@ def test_joint_1_and_the_reach_are_the_quintics_between_waypoints(seed: int) -> 
 
 def test_many_paths_side_by_side_are_each_on_its_own() -> None:
     rng = np.random.default_rng(4)
-    paths = [ReachWaypoints.through(ARM, times(rng), joints(rng)) for _ in range(3)]
-    together = ReachWaypoints.concatenate(paths)
-    moments = rng.uniform(0.0, 6.0, size=(7, 3))
-    values = together.sample(moments)
+    moments, waypoints = np.stack([times(rng) for _ in range(3)]), np.stack([joints(rng) for _ in range(3)])
+    together = ReachWaypoints.through(ARM, moments, waypoints)
+    paths = [ReachWaypoints.through(ARM, moments[[row]], waypoints[[row]]) for row in range(3)]
+    when = rng.uniform(0.0, 6.0, size=(7, 3))
+    values = together.sample(when)
     assert values.shape == (7, 3, 9)
     for row, path in enumerate(paths):
-        np.testing.assert_array_equal(values[:, row], path.sample(moments[:, [row]])[:, 0])
+        np.testing.assert_array_equal(values[:, row], path.sample(when[:, [row]])[:, 0])
         np.testing.assert_array_equal(together.rows(np.array([row])).goal, path.goal)
     together.assign(np.array([1]), paths[2])
-    np.testing.assert_array_equal(together.sample(moments)[:, 0], values[:, 0])
+    np.testing.assert_array_equal(together.sample(when)[:, 0], values[:, 0])
     np.testing.assert_array_equal(
-        together.sample(moments[:, [2, 2, 2]])[:, 1], paths[2].sample(moments[:, [2]])[:, 0]
+        together.sample(when[:, [2, 2, 2]])[:, 1], paths[2].sample(when[:, [2]])[:, 0]
     )
 
 
 @pytest.mark.parametrize("moved", [0, 1, 2])
 def test_path_is_constant_if_all_waypoints_coincide(moved: int) -> None:
     waypoints = np.tile([0.3, -0.1, 0.4], (3, 1))
-    moments = np.arange(1.0, 4.0)
-    assert ReachWaypoints.through(ARM, moments, waypoints).is_constant
+    moments = np.arange(1.0, 4.0)[None]
+    assert ReachWaypoints.through(ARM, moments, waypoints[None]).is_constant
     waypoints[1, moved] += 0.01
-    assert not ReachWaypoints.through(ARM, moments, waypoints).is_constant
+    assert not ReachWaypoints.through(ARM, moments, waypoints[None]).is_constant
 
 
 def test_waypoints_given_are_left_as_they_were() -> None:
     waypoints = joints(np.random.default_rng(1))
     copy = waypoints.copy()
-    ReachWaypoints.through(ARM, np.arange(1.0, 5.0), waypoints).sample(np.array([1.5]))
+    ReachWaypoints.through(ARM, np.arange(1.0, 5.0)[None], waypoints[None]).sample(np.array([1.5]))
     np.testing.assert_array_equal(waypoints, copy)

@@ -1,5 +1,6 @@
 """Example-JointRoundTrip-v0: go to a joint position and come back."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from prp_gym.envs.base.arm_world import ArmWorld, check_joint_limits
 from prp_gym.envs.base.motion_errors import JointErrors
 from prp_gym.envs.base.references import JointSpaceReference
 from prp_gym.envs.base.scoring import JOINT_SCORING
-from prp_gym.envs.base.tracking_starts import Draw, ReferenceSampler, TrackingStarts, path_from
+from prp_gym.envs.base.tracking_starts import Made, ReferenceSampler, TrackingStarts, path_from
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.parts import EpisodeStart, TaskParts, observed_layout
 from prp_gym.tasks.registration import register_task
@@ -20,13 +21,14 @@ from prp_gym.tasks.trajectory import QuinticWaypoints
 class RoundTripSampler(ReferenceSampler):
     """A quintic from the initial joint position to a goal, and another one back."""
 
-    def draw(self, rng: np.random.Generator, joint_position: Array, goal: Array | None) -> Draw:
-        """See `ReferenceSampler.draw`."""
-        drawn, intervals = (self.setup.ranges[name].draw(rng) for name in ("goal", "interval"))
-        target = drawn if goal is None else goal
+    names = ("goal", "interval")
+
+    def make(self, drawn: Mapping[str, Array], joint_position: Array, goal: Array | None) -> Made:
+        """See `ReferenceSampler.make`."""
+        target = drawn["goal"] if goal is None else goal
         check_joint_limits(self.arm, "goal", target)
-        times, path = path_from(joint_position, np.stack([target, joint_position]), intervals)
-        return QuinticWaypoints(times[None], path[None]), joint_position
+        waypoints = np.stack([target, joint_position], axis=-2)
+        return QuinticWaypoints(*path_from(joint_position, waypoints, drawn["interval"])), joint_position
 
 
 def compose(setup: TaskSetup) -> TaskParts:
