@@ -60,6 +60,12 @@ def open_contexts(drawing: None) -> Iterator[None]:
 
 
 @pytest.fixture
+def unwritten_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`prp-gym compare` draws its figures, but writes no files of them, of which each takes half a second."""
+    monkeypatch.setattr("prp_gym.cli.compare.write_figure", lambda path, figure: None)
+
+
+@pytest.fixture
 def late_mode() -> Iterator[None]:
     """The action mode `late`, registered for one test."""
     register_action_mode(LATE)

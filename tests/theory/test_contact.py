@@ -91,7 +91,7 @@ def test_compliant_frame_gives_way_as_a_spring(frequency: int) -> None:
     expected = spring_force(stiffness, 20.0, 0.05)
     printed = [0.0476, 0.5556, 0.7143, 0.9804]
     np.testing.assert_allclose(expected, printed, rtol=0, atol=5e-5)  # the printed digits
-    options = {"reference": "hold", "control_frequency": frequency, "duration": 4.5}
+    options: dict[str, Any] = {"reference": "hold", "control_frequency": frequency, "duration": 4.5}
     fields = run_on(ADMITTANCE, "admittance", stiffness, **options)
     # the slowest pole is 2.8 1/s: 3 s after the reference came to rest leave 2e-4 of it, 4e-6 of the forces
     np.testing.assert_allclose(fields["contact_force"][-1], along_y(expected), rtol=1e-4, atol=1e-6)
