@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, is_dataclass
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -45,7 +46,13 @@ def to_array(plain: Sequence[Any]) -> NDArray[np.float64]:
 
 def list_versions() -> dict[str, str]:
     """Versions of Python and of the packages that a result depends on."""
-    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}
+    return {"python": platform.python_version()} | {name: _installed_version(name) for name in _PACKAGES}
+
+
+@cache
+def _installed_version(package: str) -> str:
+    """The version of a package, whose metadata, thousands of lines, are read once in a process."""
+    return version(package)
 
 
 def prepare_folder(folder: Path) -> None:

@@ -15,11 +15,8 @@ from prp_gym.drawing.light import set_quality
 MOST_GEOMS = 2500
 """Number of shapes that a scene holds, those of the model included."""
 
-_NOT_DRAWN = (
-    "body_",
-    "dof_",
-    "pair_sol",
-)  # masses, friction, and poses, which come from the data
+_NOT_DRAWN = ("body_", "dof_", "pair_sol", "actuator_acc0", "cam_poscom0", "light_poscom0")
+# masses and what MuJoCo computes from them, friction, and poses, which come from the data
 
 
 @dataclass

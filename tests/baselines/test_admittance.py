@@ -199,7 +199,7 @@ def test_postures_where_the_tip_s_position_is_singular_are_passed() -> None:
     into, pose = slide_direction(q), ARM.forward_kinematics(q)
     wall = Wall.ahead(pose[:, :3], into, np.full(3, 0.01), np.full(3, 1000.0))
     motion = np.concatenate([0.06 * into, 0.0 * into], axis=1)
-    recording = simulate(controller(NAME, "tuned"), q, wall, 0.0 * into, 3.0, push(pose, motion, 0.8))
+    recording = simulate(controller(NAME, "tuned"), q, wall, 0.0 * into, 2.5, push(pose, motion, 0.8))
     np.testing.assert_allclose(recording.force[-1], 0.05 * 1000.0 / 51.0 * into, atol=0.02)
     np.testing.assert_allclose(recording.joint_position[-1, :, 2], q[:, 2], atol=1e-3)
 

@@ -99,7 +99,7 @@ def test_saturation_on_the_way_does_not_wind_the_integral(name: str) -> None:
     cases = random_cases(6, 4)
     wall = replace(cases.wall, stiffness=np.full(4, 3000.0))
     weak = controller(name, "tuned", limit=np.array([50.0, 12.0, 10.0]))
-    recording = simulate(weak, cases.joint_position, wall, 40.0 * cases.into, 4.0)
+    recording = simulate(weak, cases.joint_position, wall, 40.0 * cases.into, 2.0)
     assert (np.abs(recording.action[-1]).max(axis=-1) > 0.9).all()
     displacement = np.einsum("nk,nk->n", recording.state[0], cases.into)
     tip = np.einsum("nk,nk->n", recording.pose[-1, :, :3] - recording.pose[0, :, :3], cases.into)
@@ -237,7 +237,7 @@ def test_prediction_keeps_a_fast_loop_stable_if_the_inner_loop_is_damped() -> No
     outer = ScheduledGain(20.0 * omega, FixedSpeed(1e6, 0.0), 0.1, estimator)
     x, v, memory, forces = np.zeros((3, 1)), np.zeros((3, 1)), outer.begin((3,)), []
     memory = (memory[0], np.ones((3, 1)), *memory[2:])  # in contact from the start
-    for _ in range(20_000):
+    for _ in range(12_000):
         tip = TipMotion(x * ALONG_X, v * ALONG_X, 2.0 * damping_ratio / omega * v * ALONG_X)
         pressing = ForceError.of(20.0 * ALONG_X, (10.0 + spring * x) * ALONG_X)
         target, memory = outer.step(memory, pressing, tip)

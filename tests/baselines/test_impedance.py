@@ -106,9 +106,9 @@ def test_tip_moves_into_walls_as_the_mass_damper_and_spring(numbers: tuple[float
 def test_wall_is_pressed_as_by_two_springs_in_series(spring: float) -> None:
     stiffness = np.array([1.0, 50.0, 1000.0, 5000.0])
     policy = controller(inertia=0.5, damping=10.0, stiffness=spring)
-    run = simulate(policy, [HOME] * 4, hold(GOAL), 6.0, wall=Wall(stiffness))
+    run = simulate(policy, [HOME] * 4, hold(GOAL), 4.0, wall=Wall(stiffness))
     expected = 0.1 * stiffness * spring / (stiffness + spring)
-    # 6 s of a mode that decays with 5/s or more leave less than 1e-7 m, times the stiffness
+    # 4 s of a mode that decays with 5/s or more leave less than 1e-7 m, times the stiffness
     np.testing.assert_allclose(run.force[-1, :, 1], expected, rtol=2e-4)
 
 

@@ -83,11 +83,11 @@ def test_tuned_settles_on_every_surface_and_holds_the_rest() -> None:
     cases = random_cases(4, 60)
     pose = ARM.forward_kinematics(cases.joint_position)
     recording = simulate(
-        controller(NAME, "tuned"), cases.joint_position, cases.wall, cases.desired, 5.0, held(pose)
+        controller(NAME, "tuned"), cases.joint_position, cases.wall, cases.desired, 4.0, held(pose)
     )
     force = cases.pressing(recording)
     error = np.abs(force - cases.force) / cases.force
-    assert (error[recording.time >= 4.5] < 0.02).all()
+    assert (error[recording.time >= 3.5] < 0.02).all()
     assert (force.max(axis=0) < 1.2 * cases.force).all()
     moved = recording.pose[-1] - pose
     moved[:, :3] -= cases.into * np.einsum("nk,nk->n", cases.into, moved[:, :3])[:, None]
@@ -110,8 +110,8 @@ def test_tuned_presses_while_it_moves_across_the_force() -> None:
         return ARM.pose_motion(q, velocity, acceleration)
 
     wall = Wall.ahead(ARM.forward_kinematics(q_0)[:, :3], into, np.full(3, 0.01), stiffness)
-    recording = simulate(controller(NAME, "tuned"), q_0, wall, 3.0 * into, 4.0, along_the_wall)
-    late = recording.time >= 3.0
+    recording = simulate(controller(NAME, "tuned"), q_0, wall, 3.0 * into, 3.0, along_the_wall)
+    late = recording.time >= 2.0
     force = np.einsum("tnk,nk->tn", recording.force, into)[late]
     np.testing.assert_allclose(force, 3.0, atol=0.06)
     wanted = np.array([[along_the_wall(time)[0]] * 3 for time in recording.time[late]])

@@ -128,7 +128,7 @@ def test_comparison_runs_every_policy_and_writes_results_and_figures(tmp_path: P
         assert title in output
 
 
-def test_policies_are_run_as_the_evaluator_runs_them(tmp_path: Path) -> None:
+def test_policies_are_run_as_the_evaluator_runs_them(unwritten_figures: None, tmp_path: Path) -> None:
     content, _, _ = run(tmp_path / "out", "--scenario", "randomized", "--seed", "4")
     env = gymnasium.make(ID, scenario="randomized", control_frequency=500.0)
     controller = make_baseline("joint_pd", env, "tuned")
@@ -143,7 +143,9 @@ def test_policies_are_run_as_the_evaluator_runs_them(tmp_path: Path) -> None:
     assert np.abs(zero["episodes"]["torque_rms"]).max() == 0.0
 
 
-def test_agent_acts_in_the_mode_and_at_the_rate_of_its_training(tmp_path: Path) -> None:
+def test_agent_acts_in_the_mode_and_at_the_rate_of_its_training(
+    unwritten_figures: None, tmp_path: Path
+) -> None:
     stem = save(tmp_path / "mine_seed_4", 4, action_mode="joint_position", control_frequency=100.0)
     content, _, _ = run(tmp_path / "out", "--scenario", "realistic", "--agent", f"{stem}.safetensors")
     (row,) = (row for row in content["evaluations"] if row["policy"] == "mine")
@@ -157,7 +159,7 @@ def test_agent_acts_in_the_mode_and_at_the_rate_of_its_training(tmp_path: Path) 
     assert row["history"]["control_frequency"] == 100.0
 
 
-def test_results_hold_all_that_the_findings_follow_from(tmp_path: Path) -> None:
+def test_results_hold_all_that_the_findings_follow_from(unwritten_figures: None, tmp_path: Path) -> None:
     content, _, _ = run(tmp_path / "out")
     again = json.loads(json.dumps(Outcome.of(content["evaluations"], 0).to_plain(), allow_nan=False))
     assert {name: content[name] for name in again} == again
@@ -189,7 +191,7 @@ def test_deterministic_scenario_is_run_once_and_nothing_learned_leaves_no_curves
 
 
 def test_interrupted_comparison_goes_on_where_it_stopped(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    unwritten_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     finished: list[str] = []
 
@@ -213,7 +215,9 @@ def test_interrupted_comparison_goes_on_where_it_stopped(
     assert error == ""
 
 
-def test_agent_that_was_trained_anew_is_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_agent_that_was_trained_anew_is_run_again(
+    unwritten_figures: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with monkeypatch.context() as patch:
         patch.setattr("prp_gym.runs.store.JobStore.remove", lambda *_: None)
         run(tmp_path / "out", "--scenario", "randomized")

@@ -48,7 +48,7 @@ def test_new_task_is_compared_without_agents(tmp_path: Path) -> None:
     assert not (tmp_path / "learning.png").exists()
 
 
-def test_new_task_is_compared_with_one_controller_alone(tmp_path: Path) -> None:
+def test_new_task_is_compared_with_one_controller_alone(unwritten_figures: None, tmp_path: Path) -> None:
     content, _ = run("compare", tmp_path, "--scenario", "report", "--baseline", "adaptive")
     assert [row["policy"] for row in content["evaluations"]] == ["adaptive", "zero_torque", "hold"]
 

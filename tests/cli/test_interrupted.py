@@ -139,7 +139,7 @@ TUNE_ALL = ("tune-all", "-e", ENVIRONMENT, "-b", CONTROLLER, "--budget", "60000"
             r"\d+ steps of the budget are kept in .*; the searches are kept in .*; the same command goes on",
         ),
         (
-            (*REPRODUCE, "--figure", "11"),
+            (*REPRODUCE, "--figure", "13"),
             "prp_gym.cli.reproduce.judge",
             "1 of 2 figures are kept in .*; the same command starts over",
         ),

@@ -51,7 +51,9 @@ def short_episodes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("command", ["evaluate", "compare", "audit"])
-def test_document_is_what_the_results_file_holds(command: str, tmp_path: Path, short_episodes: None) -> None:
+def test_document_is_what_the_results_file_holds(
+    command: str, tmp_path: Path, short_episodes: None, unwritten_figures: None
+) -> None:
     options = ("-e", TASK, "-s", "realistic", "-n", "2", "-j", "1", "-o", str(tmp_path))
     more = ("--draws", "1") if command == "audit" else ("-b", "joint_pd", "-b", "adaptive")
     found = document(command, *options, *more)

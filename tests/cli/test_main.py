@@ -209,15 +209,18 @@ COMMAND = [str(Path(sys.executable).with_name("prp-gym"))]
 MODULE = [sys.executable, "-m", "prp_gym.cli.main"]
 SMALLEST = min(list_envs(), key=lambda name: len(controllers_of(name)))
 """The environment with the fewest controllers."""
+AT_50_HZ = ("--gains", "tuned_50hz", "--control-frequency", "50")
+RUN_AT_50_HZ = [name for name in controllers_of(SMALLEST) if "tuned_50hz" in gain_sets(name)]
 
 
 @pytest.mark.parametrize("program", [COMMAND, MODULE], ids=["command", "module"])
 def test_program_evaluates_and_keeps_progress_off_standard_output(tmp_path: Path, program: list[str]) -> None:
-    options = ["evaluate", "--env", SMALLEST, "--scenario", "report", "--episodes", "1"]
+    options = ["evaluate", "--env", SMALLEST, "--scenario", "report", "--jobs", "1", *AT_50_HZ]
+    options += [word for name in RUN_AT_50_HZ for word in ("--baseline", name)]
     done = subprocess.run(
         [*program, *options], cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", check=True
     )
-    assert [controller for controller in controllers_of(SMALLEST) if controller not in done.stdout] == []
+    assert [controller for controller in RUN_AT_50_HZ if controller not in done.stdout] == []
     assert done.stdout.startswith(f"{SMALLEST}, scenario report")
     assert (
         results_of(tmp_path / "results" / "evaluate" / "latest")["command"] == f"prp-gym {' '.join(options)}"
@@ -235,18 +238,17 @@ def test_program_refuses_with_exit_code_two_and_no_traceback(tmp_path: Path) -> 
     assert list(tmp_path.iterdir()) == []
 
 
-def test_folder_that_cannot_be_written_is_refused_before_anything_is_run(tmp_path: Path) -> None:
+def test_folder_that_cannot_be_written_is_refused_before_anything_is_run(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError("run")
+
+    monkeypatch.setattr("prp_gym.runs.run.run_job", never)
     blocked = tmp_path / "file"
     blocked.write_text("mine")
-    options = ("--env", list_envs()[0], "--scenario", "report", "--output", str(blocked))
-    done = subprocess.run(
-        [*MODULE, "evaluate", *options],
-        capture_output=True,
-        text=True,
-        check=False,
+    options = ("--env", list_envs()[0], "--scenario", "report", "--jobs", "1", "--output", str(blocked))
+    assert refusal(capsys, monkeypatch, "evaluate", *options).startswith(
+        f"error: cannot write to '{blocked}'"
     )
-    assert done.returncode == 2
-    assert done.stderr.replace("\n", " ").startswith(f"error: cannot write to '{blocked}'")
-    assert "Traceback" not in done.stderr
-    assert done.stdout == ""
     assert blocked.read_text() == "mine"

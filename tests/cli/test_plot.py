@@ -1,6 +1,7 @@
 """`prp-gym plot`: one run as a figure."""
 
 import xml.etree.ElementTree as ElementTree
+from functools import partial
 from pathlib import Path
 
 import gymnasium
@@ -14,6 +15,12 @@ from prp_gym.errors import InvalidValueError, UnknownNameError
 
 RUNNER = CliRunner()
 ADAPTIVE = "PRP-Adaptive-v0"
+
+
+@pytest.fixture(autouse=True)
+def short_episodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Episodes that end soon after the first touch."""
+    monkeypatch.setattr(gymnasium, "make", partial(gymnasium.make, duration=1.0))
 
 
 def texts(figure: Path) -> str:

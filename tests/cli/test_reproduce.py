@@ -19,8 +19,9 @@ import prp_gym.cli.reproduce as command_module
 from prp_gym.cli.main import app, main
 from prp_gym.reproduction import load_catalogue
 from prp_gym.reproduction.catalogue import Catalogue, read_catalogue
+from prp_gym.reproduction.experiment import ExperimentRun
 from prp_gym.reproduction.figures import COLORS
-from prp_gym.reproduction.run import record_run
+from prp_gym.reproduction.run import RecordedRun, record_run
 
 RUNNER = CliRunner()
 CATALOGUE = load_catalogue()
@@ -187,6 +188,13 @@ def broken(bound: float) -> Catalogue:
     return read_catalogue([wrong.replace(named, f"{named}{explained}")])
 
 
+def recorded_once(run: ExperimentRun, known: dict[str, RecordedRun] = {}) -> RecordedRun:  # noqa: B006
+    """The recording of a run, which is simulated the first time."""
+    if run.name not in known:
+        known[run.name] = record_run(run)
+    return known[run.name]
+
+
 @pytest.mark.parametrize(
     ("bound", "code", "word"), [(0.0, 1, "FAIL"), (0.03, 1, "FAIL"), (0.05, 0, "explained")]
 )
@@ -194,6 +202,7 @@ def test_exit_code_is_one_for_a_failure_that_nothing_explains(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bound: float, code: int, word: str
 ) -> None:
     monkeypatch.setattr(command_module, "load_catalogue", lambda: broken(bound))
+    monkeypatch.setattr(command_module, "record_run", recorded_once)
     found, output = reproduce(tmp_path, 6)
     assert found == code
     assert word in output

@@ -46,6 +46,7 @@ def test_command_prints_no_line_wider_than_80_columns_and_cuts_no_cell(
 ) -> None:
     if name != "reproduce":
         request.getfixturevalue("short_episodes")
+    request.getfixturevalue("unwritten_figures")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
     for variable in ("FORCE_COLOR", "TTY_COMPATIBLE"):
@@ -81,7 +82,10 @@ ASCII = {
     "command",
     [
         ("list", "--metrics"),
-        ("evaluate", "-e", "PRP-Adaptive-v0", "-b", "joint_pd", "-s", "report", "-j", "1"),
+        (
+            *("evaluate", "-e", "PRP-Adaptive-v0", "-b", "joint_pd", "-s", "report", "-j", "1"),
+            *("--control-frequency", "50", "--gains", "tuned_50hz"),
+        ),
         ("evaluate", "--help"),
     ],
     ids=["list", "evaluate", "help"],

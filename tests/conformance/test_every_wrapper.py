@@ -149,7 +149,7 @@ def wrapped(module: Any, name: str, make: Make, keywords: dict[str, Any]) -> Any
 @LESS_PRECISE
 @pytest.mark.parametrize("name", SINGLE)
 def test_wrapped_environment_runs_an_episode(
-    name: str, drawing: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, open_contexts: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     env = wrapped(wrappers, name, *SINGLE[name])
@@ -175,7 +175,7 @@ def test_wrapped_environment_runs_an_episode(
 @LESS_PRECISE
 @pytest.mark.parametrize("name", TOGETHER)
 def test_wrapped_environments_run_an_episode(
-    name: str, drawing: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, open_contexts: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     env = wrapped(vector, name, *TOGETHER[name])

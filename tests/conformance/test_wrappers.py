@@ -29,7 +29,7 @@ STEPS = round(RATE * DURATION)
 
 
 @pytest.fixture(scope="module")
-def filming(drawing: None) -> None:
+def filming(open_contexts: None) -> None:
     """Skip where no film can be made, unless that must not be."""
     if find_spec("moviepy") is None:
         if os.environ.get("PRP_REQUIRE_RENDERING") == "1":

@@ -19,11 +19,11 @@ from tests.support.vector_episodes import (
     together,
 )
 
-MANY = 200  # the physics stores more than 128 simulations in another way
+MANY = 130  # the physics stores more than 128 simulations in another way
 STEPS = 10  # more than two episodes
 BRIEF = {"duration": 0.04, "control_frequency": 100}  # [s], [Hz]: four steps
 AGAIN = 2
-ALONE = (0, 1, 6, 69, 199)
+ALONE = (0, 1, 6, 69, 129)
 
 
 def some_actions(env: Any, count: int = STEPS) -> Any:

@@ -146,7 +146,7 @@ def arrows(env: PRPVectorEnv) -> list[int]:
     ],
 )
 def test_frames_are_those_of_single_environments(
-    drawing: None, environment_id: str, mode: str, kind: type
+    open_contexts: None, environment_id: str, mode: str, kind: type
 ) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "render_mode": mode, **FRAME}
     ours = stepped(together(environment_id, num_envs=N, **keywords))
@@ -164,7 +164,7 @@ def test_frames_are_those_of_single_environments(
     theirs.close()
 
 
-def test_frames_show_every_environments_own_surface_and_force(drawing: None) -> None:
+def test_frames_show_every_environments_own_surface_and_force(open_contexts: None) -> None:
     keywords: dict[str, Any] = {"render_mode": "rgb_array", **FRAME}
     env = together(FORCE, "Disabled", N, **keywords)
     options = {
@@ -188,7 +188,7 @@ def test_frames_show_every_environments_own_surface_and_force(drawing: None) -> 
     env.close()
 
 
-def test_frames_leave_the_environments_as_they_are(drawing: None) -> None:
+def test_frames_leave_the_environments_as_they_are(open_contexts: None) -> None:
     keywords: dict[str, Any] = {"scenario": "realistic", "render_mode": "rgb_array", **SHORT, **FRAME}
     drawn, blind = (together(FORCE, "NextStep", N, **keywords) for _ in range(2))
     for env in (drawn, blind):
@@ -199,7 +199,7 @@ def test_frames_leave_the_environments_as_they_are(drawing: None) -> None:
     drawn.close()
 
 
-def test_closing_frees_the_drawing_context(drawing: None) -> None:
+def test_closing_frees_the_drawing_context(open_contexts: None) -> None:
     env = stepped(together(FORCE, num_envs=N, render_mode="rgb_array", **FRAME))
     frames = env.render()
     assert env._renderer is not None

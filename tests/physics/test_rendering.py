@@ -1,11 +1,7 @@
 """Frames: shape and content, of the current state, with the overlay in its colours."""
 
-import gc
 import itertools
-import resource
-import weakref
 from collections.abc import Iterator
-from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -34,6 +30,7 @@ from prp_gym.robot import PRPArm
 
 WIDTH, HEIGHT = 96, 64
 TOP_HEIGHT = 2.0  # of the top camera above the arm's foot [m]
+pytestmark = pytest.mark.usefixtures("open_contexts")
 RED, GREEN, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 CENTER = np.array([0.1, 0.0, 0.6])  # under the top camera, above the arm
 Frame = NDArray[Any]
@@ -244,7 +241,7 @@ def test_machine_that_cannot_draw_is_told_what_to_do(
 
     monkeypatch.setattr(mujoco, "Renderer", broken)
     with pytest.raises(RenderingError, match="MUJOCO_GL=egl") as caught:
-        OffscreenRenderer(Physics().model(), WIDTH, HEIGHT, "top")
+        OffscreenRenderer(Physics().model(), WIDTH + 1, HEIGHT, "top")  # of which no context is open
     assert isinstance(caught.value.__cause__, kind)
 
 
@@ -257,60 +254,3 @@ def test_window_wants_a_known_camera_and_a_display(monkeypatch: pytest.MonkeyPat
         monkeypatch.delenv(name, raising=False)
     with pytest.raises(RenderingError, match="display"):
         WindowRenderer(physics.model(), physics.data(), "top")
-
-
-def memory() -> float:
-    """Memory that this process occupies [MB]."""
-    return int(FilePath("/proc/self/statm").read_text().split()[1]) * resource.getpagesize() / 1e6
-
-
-@pytest.mark.skipif(
-    not FilePath("/proc/self/statm").exists(), reason="the system does not tell a process's memory"
-)
-def test_closed_renderers_give_their_memory_back_and_open_ones_share_it(
-    drawing: None, physics: Physics
-) -> None:
-    def draw() -> OffscreenRenderer:
-        opened = OffscreenRenderer(physics.model(), WIDTH, HEIGHT, "top")
-        opened.draw(physics.data(), [])
-        return opened
-
-    before = memory()
-    draw().close()
-    one = memory() - before  # with what OpenGL allocates once
-    for _ in range(6):
-        draw().close()
-    closed = memory()
-    assert closed < before + one + 20.0  # MB: half of a context, of which each took 37 before
-    together = [draw() for _ in range(4)]
-    assert memory() < closed + 80.0  # one context with its scenes, not four
-    for renderer in together:
-        renderer.close()
-        renderer.close()
-    assert memory() < closed + 20.0
-
-
-def test_renderers_that_share_a_context_draw_what_each_would_draw_alone(drawing: None) -> None:
-    frames: dict[str, list[Frame]] = {"alone": [], "together": []}
-    surfaces = [Surface.single(500.0, (0.0, 0.0, 1.0), offset) for offset in (0.2, 0.5)]
-    worlds = [Physics(settings=PhysicsSettings(surface=True)) for _ in surfaces]
-    for world, surface in zip(worlds, surfaces, strict=True):
-        world.set_surface(np.arange(1), surface)
-        set_joints(world, (0.3, -0.1, 0.4))
-        renderer = OffscreenRenderer(world.model(), WIDTH, HEIGHT, "overview")
-        frames["alone"].append(renderer.draw(world.data(), []))
-        renderer.close()
-    together = [OffscreenRenderer(world.model(), WIDTH, HEIGHT, "overview") for world in worlds]
-    frames["together"] = [r.draw(world.data(), []) for r, world in zip(together, worlds, strict=True)]
-    for renderer in together:
-        renderer.close()
-    assert changed(*frames["alone"]).any()
-    np.testing.assert_array_equal(frames["together"], frames["alone"])
-
-
-def test_renderer_that_nobody_closed_frees_its_context(drawing: None, physics: Physics) -> None:
-    renderer = OffscreenRenderer(physics.model(), WIDTH, HEIGHT, "top")
-    context = weakref.ref(renderer._renderer)
-    del renderer
-    gc.collect()
-    assert context() is None

@@ -59,7 +59,7 @@ def lines(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 @pytest.mark.filterwarnings(
     "ignore::pytest.PytestUnraisableExceptionWarning"
 )  # imageio-ffmpeg leaves pipes open
-def test_mp4_has_the_size_the_rate_and_a_frame_for_every_moment(drawing: None, tmp_path: Path) -> None:
+def test_mp4_has_the_size_the_rate_and_a_frame_for_every_moment(open_contexts: None, tmp_path: Path) -> None:
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     path = tmp_path / "new folder" / "force.mp4"
     output = record(FORCE, *CONTROLLER, *SHORT, "--output", str(path))
@@ -73,7 +73,7 @@ def test_mp4_has_the_size_the_rate_and_a_frame_for_every_moment(drawing: None, t
     assert [item.name for item in path.parent.iterdir()] == ["force.mp4"]
 
 
-def test_gif_has_every_frame_for_its_time(drawing: None, tmp_path: Path) -> None:
+def test_gif_has_every_frame_for_its_time(open_contexts: None, tmp_path: Path) -> None:
     path = tmp_path / "force.gif"
     record(FORCE, *CONTROLLER, *SHORT, "--slow", "2", "--output", str(path))
     with Image.open(path) as image:
@@ -82,7 +82,9 @@ def test_gif_has_every_frame_for_its_time(drawing: None, tmp_path: Path) -> None
         assert image.info["duration"] == 100
 
 
-def test_frames_show_the_episode_and_its_numbers(drawing: None, tmp_path: Path, lines: list[str]) -> None:
+def test_frames_show_the_episode_and_its_numbers(
+    open_contexts: None, tmp_path: Path, lines: list[str]
+) -> None:
     record(FORCE, *CONTROLLER, *SHORT, "--output", str(tmp_path / "frames"))
     frames = frames_of(tmp_path / "frames")
     assert len(frames) == 5
@@ -95,7 +97,7 @@ def test_frames_show_the_episode_and_its_numbers(drawing: None, tmp_path: Path, 
     assert "f 0.00 N" in lines[0]
 
 
-def test_numbers_are_those_of_the_episode(drawing: None, tmp_path: Path, lines: list[str]) -> None:
+def test_numbers_are_those_of_the_episode(open_contexts: None, tmp_path: Path, lines: list[str]) -> None:
     import gymnasium
 
     record(FORCE, *CONTROLLER, *SHORT, "--duration", "1", "--fps", "1", "--output", str(tmp_path / "frames"))
@@ -109,7 +111,7 @@ def test_numbers_are_those_of_the_episode(drawing: None, tmp_path: Path, lines: 
     assert f"   f {np.sqrt(force @ force):.2f} N   " in lines[-1]
 
 
-def test_two_policies_see_the_same_episode(drawing: None, tmp_path: Path, lines: list[str]) -> None:
+def test_two_policies_see_the_same_episode(open_contexts: None, tmp_path: Path, lines: list[str]) -> None:
     path = tmp_path / "same"
     record(FORCE, *CONTROLLER, "--vs", "force_inner_position", *SHORT, "--output", str(path))
     for frame in frames_of(path):
@@ -124,7 +126,7 @@ def test_two_policies_see_the_same_episode(drawing: None, tmp_path: Path, lines:
     assert lines[-2] != lines[-1].replace("operational_pd", "force_inner_position")
 
 
-def test_agent_acts_beside_a_controller(drawing: None, tmp_path: Path, lines: list[str]) -> None:
+def test_agent_acts_beside_a_controller(open_contexts: None, tmp_path: Path, lines: list[str]) -> None:
     agent, task = "PRP-Impedance-v0/ppo_admittance", "PRP-Impedance-v0"
     record(task, "--agent", agent, "--vs", "impedance", *SHORT, "--output", str(tmp_path / "frames"))
     assert len(frames_of(tmp_path / "frames")) == 5
@@ -134,7 +136,9 @@ def test_agent_acts_beside_a_controller(drawing: None, tmp_path: Path, lines: li
         record(FORCE, "--agent", agent, *SHORT, "--output", str(tmp_path / "none"))
 
 
-def test_settings_change_the_first_policy_alone(drawing: None, tmp_path: Path, lines: list[str]) -> None:
+def test_settings_change_the_first_policy_alone(
+    open_contexts: None, tmp_path: Path, lines: list[str]
+) -> None:
     joint = "PRP-JointTracking-v0"
     arguments = ("--baseline", "joint_pd", "--set", "gravity='none'", "--vs", "joint_pd", *SHORT)
     record(joint, *arguments, "--output", str(tmp_path / "frames"))
@@ -152,7 +156,7 @@ def test_existing_video_is_kept(tmp_path: Path) -> None:
 
 
 def test_recording_that_fails_leaves_nothing(
-    drawing: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    open_contexts: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(*_: object) -> None:
         raise OSError("no space left on device")

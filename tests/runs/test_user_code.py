@@ -323,7 +323,9 @@ def test_file_that_changes_under_way_is_refused(mine: Path) -> None:
         code.load()
 
 
-def test_own_controllers_are_compared(mine: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_own_controllers_are_compared(
+    mine: Path, unwritten_figures: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setattr("prp_gym.agents.policy.agent_file.TRAINED", tmp_path / "none")
     options = ("--env", ID, "--scenario", "randomized", "--episodes", "3", "--jobs", "2", "--output", "out")
     names = ("--baseline", "own/mine.py:function", "--baseline", "own/mine.py:Constant")

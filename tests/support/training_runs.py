@@ -33,6 +33,7 @@ TINY: dict[str, tuple[str, ...]] = {
         "batch_size=16",
         "buffer_size=1000",
         "learning_starts=100",
+        "train_freq=4",
         "policy_kwargs.net_arch=[8]",
     ),
 }

@@ -1,4 +1,4 @@
-"""Adaptive control of the simulated arm with link masses 30 % off, on the report's sine, for 10 s.
+"""Adaptive control of the simulated arm with link masses 30 % off, on the report's sine, for 8 s.
 
 The controller with fixed parameters and the same link-mass errors is `joint_inverse_dynamics` with the same
 feedback: in adaptive control σ˙ = -K_D/B σ with σ = q̃˙ + Λq̃ makes K_P = ΛK_D/B and K_D = Λ + K_D/B, with B's
@@ -35,8 +35,8 @@ MIXED = ((0.7, 1.3, 1.3), (1.3, 0.7, 0.7))
 def last_error(
     controller: str, factors: Factors, start: dict[str, Array], gains: str = "tuned", **own: Any
 ) -> float:
-    """Of a controller whose model has masses times `factors`; without adaptation 3 s are enough to settle."""
-    duration = 10.0 if controller == "adaptive" else 3.0
+    """Of a controller whose model has masses times `factors`; without adaptation 2 s are enough to settle."""
+    duration = 8.0 if controller == "adaptive" else 2.0
     own = SOFT if controller == "adaptive" else own
     with closing(gymnasium.make(TRACKING, scenario="report", reference="sine", duration=duration)) as env:
         policy = prp_gym.make_baseline(controller, env, gains, model=NOMINAL.scaled(factors), **own)

@@ -58,14 +58,17 @@ def spring_force(stiffness: Array, own: float, depth: float) -> Array:
 
 @pytest.mark.parametrize("frequency", RATES)
 @pytest.mark.parametrize(
-    ("environment_id", "controller"), [(COMPLIANCE, "compliance"), (IMPEDANCE, "impedance")]
+    ("environment_id", "controller", "duration"),
+    [(COMPLIANCE, "compliance", 5.0), (IMPEDANCE, "impedance", 3.0)],
 )
-def test_surface_is_pressed_as_by_a_spring(environment_id: str, controller: str, frequency: int) -> None:
+def test_surface_is_pressed_as_by_a_spring(
+    environment_id: str, controller: str, duration: float, frequency: int
+) -> None:
     stiffness = np.array([1.0, 50.0, 1000.0])
     expected = spring_force(stiffness, 50.0, 0.1)
     np.testing.assert_allclose(expected, [0.09804, 2.5, 4.7619], rtol=0, atol=5e-5)  # the printed digits
-    fields = run_on(environment_id, controller, stiffness, control_frequency=frequency)
-    # 5 s leave 1e-7 of the slowest transient: the design's 0.2 % are not needed
+    fields = run_on(environment_id, controller, stiffness, control_frequency=frequency, duration=duration)
+    # transients have decayed below this tolerance: the design's 0.2 % are not needed
     np.testing.assert_allclose(fields["contact_force"][-1], along_y(expected), rtol=1e-6, atol=1e-6)
 
 
@@ -74,8 +77,8 @@ def test_impedance_with_the_gains_of_the_figures_presses_harder_and_meets_the_su
     stiffness = np.array([1.0, 50.0, 1000.0])
     expected = spring_force(stiffness, 75.0, 0.1)
     np.testing.assert_allclose(expected, [0.0987, 3.0, 6.977], rtol=0, atol=5e-4)  # the printed digits
-    fields = run_on(IMPEDANCE, "impedance", stiffness, "figures", control_frequency=1000)
-    # 5 s leave 1e-7 of the transient
+    fields = run_on(IMPEDANCE, "impedance", stiffness, "figures", control_frequency=1000, duration=4.0)
+    # 4 s leave 4e-8 of the transient
     np.testing.assert_allclose(fields["contact_force"][-1], along_y(expected), rtol=1e-6, atol=1e-6)
     # a fourth-order integration of the same loop gives these digits; 1 ms steps move the peak by up to 0.1 mm
     highest = fields["end_effector_pose"][..., 1].max(axis=0)
@@ -88,8 +91,9 @@ def test_compliant_frame_gives_way_as_a_spring(frequency: int) -> None:
     expected = spring_force(stiffness, 20.0, 0.05)
     printed = [0.0476, 0.5556, 0.7143, 0.9804]
     np.testing.assert_allclose(expected, printed, rtol=0, atol=5e-5)  # the printed digits
-    fields = run_on(ADMITTANCE, "admittance", stiffness, reference="hold", control_frequency=frequency)
-    # the frame's slowest pole is 2.8 1/s: 3.5 s after the reference came to rest leave 5e-5 of it
+    options: dict[str, Any] = {"reference": "hold", "control_frequency": frequency, "duration": 4.5}
+    fields = run_on(ADMITTANCE, "admittance", stiffness, **options)
+    # the slowest pole is 2.8 1/s: 3 s after the reference came to rest leave 2e-4 of it, 4e-6 of the forces
     np.testing.assert_allclose(fields["contact_force"][-1], along_y(expected), rtol=1e-4, atol=1e-6)
 
 
@@ -108,10 +112,10 @@ def test_force_comes_out_as_the_inner_loop_predicts(settings: dict[str, Any], pr
     assert x_0 - x_e == pytest.approx(-0.1)
     expected = proportional if settings else f_d
     assert expected == pytest.approx(printed, abs=5e-5)  # the printed digits
-    duration = 5.0 if settings else 15.0
+    duration = 1.0 if settings else 5.0
     rollout = run(FORCE, "force_inner_position", torque_limit=None, duration=duration, **settings)
-    # the PI's slow pole is K_I/K_F = 0.5 1/s: 15 s leave 6e-4 of its start of a few percent; without it the
-    # inner loop's poles have decayed within a second
+    # the PI's slow mode decays with 0.5 1/s, but from 5e-5 N: 5 s leave 4e-6 N; without it the inner loop's
+    # poles have decayed within a second
     np.testing.assert_allclose(final_force(rollout), [0.0, expected, 0.0], rtol=1e-4, atol=1e-6)
 
 
@@ -121,7 +125,7 @@ def test_parallel_control_reaches_the_force_and_gives_up_the_position_along_it(f
         FORCE_POSITION,
         "parallel_force_position",
         torque_limit=None,
-        duration=12.0,
+        duration=6.0,  # leaves 2 % of these tolerances
         control_frequency=frequency,
     )
     np.testing.assert_allclose(final_force(rollout), [0.5, 0.0, 0.0], rtol=1e-3, atol=1e-6)  # design: 0.2 %
@@ -137,7 +141,7 @@ def test_parallel_control_as_run_leaves_the_joint_limits() -> None:
         start="home",
         surface_stiffness=1.0,
         torque_limit=None,
-        duration=15.0,
+        duration=12.0,  # leaves a fifth of these tolerances
     )
     np.testing.assert_allclose(final_force(rollout)[0], 0.5, rtol=2e-3)
     assert rollout.fields["joint_position"][-1, 1] == pytest.approx(-0.7, abs=1e-3)  # the printed digit

@@ -92,14 +92,14 @@ def test_pd_without_gravity_sags_by_the_root_of_its_scalar_equation(frequency: i
     for _ in range(50):  # a contraction: |dg_3/dq_3| is below 0.97, over 50
         sag = PRPArm().gravity_vector([0.0, 0.0, math.pi - sag])[2] / 50.0
     assert sag == pytest.approx(-0.01924, abs=5e-6)  # the printed digits
-    rollout = run(REGULATION, PD, gravity="none", duration=10.0, control_frequency=frequency)
-    # an equilibrium is one at any rate; 10 s leave 1e-14 of the slowest transient
+    rollout = run(REGULATION, PD, gravity="none", duration=6.0, control_frequency=frequency)
+    # an equilibrium is one at any rate; 6 s leave 5e-8 of the slowest transient
     np.testing.assert_allclose(error_of(rollout)[-1], [0.0, 0.0, sag], atol=ACTION_ROUNDING)
 
 
 @pytest.mark.parametrize("gravity", ["current", "desired"])
 def test_pd_with_gravity_compensation_has_no_steady_error(gravity: str) -> None:
-    rollout = run(REGULATION, PD, gravity=gravity, duration=10.0)
+    rollout = run(REGULATION, PD, gravity=gravity, duration=6.0)
     np.testing.assert_allclose(error_of(rollout)[-1], 0.0, atol=ACTION_ROUNDING)
 
 
@@ -117,14 +117,14 @@ def test_pd_with_gravity_compensation_has_no_steady_error(gravity: str) -> None:
 def test_inverse_dynamics_turns_every_joint_into_a_double_integrator(
     environment_id: str, options: dict[str, str], gains: str
 ) -> None:
-    rollout = run(environment_id, INVERSE_DYNAMICS, gains, control_frequency=1000, duration=2.0, **options)
+    rollout = run(environment_id, INVERSE_DYNAMICS, gains, control_frequency=1000, duration=1.2, **options)
     expected = recursion(rollout, *GAINS[gains])
     np.testing.assert_allclose(rollout.fields["joint_position"], expected, atol=ACTION_ROUNDING)
 
 
 @pytest.mark.parametrize("gains", ["report", "fast"])
 def test_inverse_dynamics_follows_the_analytic_response(gains: str) -> None:
-    rollout = run(REGULATION, INVERSE_DYNAMICS, gains)
+    rollout = run(REGULATION, INVERSE_DYNAMICS, gains, duration=2.5)
     relative = error_of(rollout) / GOAL
     expected = error_decay(rollout.time, *GAINS[gains])[:, None]
     # 1e-2 is the bound of the design; held for 2 ms, the response is off by at most 2.3e-3
@@ -278,7 +278,7 @@ def test_figure_gains_of_pd_are_stable_where_the_held_loop_is(frequency: int, st
     assert (radius < 1.0) == stable
     # gains of one's own are free to choose the rate, those of the set are refused below 1000 Hz
     own = {name: gains[name] for name in ("proportional_gain", "derivative_gain")}
-    rollout = run(REGULATION, PD, "figures", control_frequency=frequency, **own)
+    rollout = run(REGULATION, PD, "figures", control_frequency=frequency, duration=2.5, **own)
     assert (np.abs(error_of(rollout)[-1]) < 0.02 * np.abs(GOAL)).all() == stable
 
 

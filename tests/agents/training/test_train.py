@@ -21,17 +21,17 @@ from tests.support.training_runs import ID, assert_same_weights, read, tiny_job,
 
 LEARNING: dict[str, tuple[str, ...]] = {
     "ppo": (
-        *("n_timesteps=12000", "n_envs=16", "n_steps=32"),
-        *("batch_size=128", "n_epochs=5", "learning_rate=2e-3"),
+        *("n_timesteps=8192", "n_envs=16", "n_steps=32"),
+        *("batch_size=128", "n_epochs=5", "learning_rate=3e-3"),
     ),
-    "sac": ("n_timesteps=3000", "learning_starts=400", "ent_coef=0.01"),
+    "sac": ("n_timesteps=2000", "learning_starts=400", "ent_coef=0.01"),
     "td3": (
-        *("n_timesteps=4000", "learning_starts=800", "noise_std=0.3", "tau=0.02"),
+        *("n_timesteps=2400", "learning_starts=640", "noise_std=0.3", "tau=0.02"),
         "policy_kwargs.activation_fn=tanh",
     ),
 }
 OFF_POLICY = (
-    *("n_envs=8", "batch_size=128", "gradient_steps=4", "learning_rate=1e-3"),
+    *("n_envs=8", "batch_size=128", "gradient_steps=4", "learning_rate=2e-3"),
     "policy_kwargs.net_arch=[32, 32]",
 )
 COMMON = (
@@ -59,7 +59,7 @@ def test_algorithm_learns(tmp_path: Path, algorithm: str) -> None:
         identity = Normalizer(np.zeros(1), np.ones(1), 0.0, np.inf)
         idle, random = (held_out.score(Fixed(scale), identity) for scale in (0.0, 1.0))  # type: ignore[arg-type]
     assert max(idle, random) < 0.2
-    # of seeds 0 to 4 the worst reach 0.70 (PPO), 0.50 (SAC) and 0.35 (TD3); a policy that ignores its
+    # of seeds 0 to 4 the worst reach 0.58 (PPO), 0.50 (SAC) and 0.33 (TD3); a policy that ignores its
     # features gets 0.17
     assert result["best"]["score"] > 0.3
 

@@ -41,7 +41,7 @@ def test_action_held_is_the_same_action_given_in_every_inner_period(environment_
     assert_same(held.reset(seed=3), given.reset(seed=3), "reset")
     shares = {"last": 0.0, "sum": 1.0, "mean": 1.0 / PERIODS}
     share = {field.name: shares[field.over_periods] for field in held.info_fields}
-    for count, action in enumerate(random_actions(held, 15, share=1.3)):
+    for count, action in enumerate(random_actions(held, 8, share=1.3)):
         outcome, steps = held.step(action), run(given, [action] * PERIODS)
         assert_same(outcome[0], steps[-1][0], f"observation {count}")
         reward, info = 0.0, dict.fromkeys(share, 0.0)
@@ -87,14 +87,14 @@ def test_terms_in_info_sum_to_the_reward_and_time_goes_on(rate: int) -> None:
 def test_copy_and_saved_state_go_on_as_the_original(environment_id: str, mode: str, how: str) -> None:
     env = made(environment_id, mode, scenario="realistic", control_frequency=RATE)
     env.reset(seed=21)
-    actions = random_actions(env, 16)
-    seen = run(env, actions[:8])[-1][0]
+    actions = random_actions(env, 8)
+    seen = run(env, actions[:4])[-1][0]
     if how == "state":
         clone = made(environment_id, mode, scenario="realistic", control_frequency=RATE)
         np.testing.assert_array_equal(clone.set_state(env.get_state()), seen)
     else:
         clone = COPIES[how](env)
-    assert_same(run(clone, actions[8:]), run(env, actions[8:]), how)
+    assert_same(run(clone, actions[4:]), run(env, actions[4:]), how)
     assert_same(clone.reset(), env.reset(), how)
     assert_same(run(clone, actions[:3]), run(env, actions[:3]), how)
 

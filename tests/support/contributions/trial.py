@@ -6,8 +6,10 @@ printed, the files that the commands write, and the conformance tests that were 
 
 import json
 import sys
+from functools import partial
 from pathlib import Path
 
+import gymnasium
 import pytest
 from typer.testing import CliRunner
 
@@ -18,7 +20,8 @@ from tests.support.contributions import ACTION_MODE, ALGORITHM, CONTROLLER, TASK
 
 COMMON = ("--env", TASK.name, "--scenario", "report", "--jobs", "1")
 BOTH = ("--baseline", CONTROLLER.name, "--baseline", "joint_pd")
-TUNING_STEPS = 5000
+DURATION = 1.0  # s, of the episodes
+TUNING_STEPS = 1000
 TRAINING_STEPS = 64
 RECIPE = (
     *("env_kwargs.control_frequency=50", "env_kwargs.duration=0.4", f"n_timesteps={TRAINING_STEPS}"),
@@ -90,9 +93,11 @@ def run_commands(folder: Path) -> dict[str, str]:
     printed = {}
     for name, arguments in COMMANDS.items():
         output = ("--output", str(folder / OUTPUTS[name])) if name in OUTPUTS else ()
-        result = CliRunner().invoke(
-            app, [*arguments, *output], env={"COLUMNS": "160"}, catch_exceptions=False
-        )
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(gymnasium, "make", partial(gymnasium.make, duration=DURATION))
+            result = CliRunner().invoke(
+                app, [*arguments, *output], env={"COLUMNS": "160"}, catch_exceptions=False
+            )
         printed[name] = result.output
         if result.exit_code:
             raise RuntimeError(f"prp-gym {name} ended with exit code {result.exit_code}: {result.output}")
