@@ -86,11 +86,13 @@ class SymbolicArray(NDArrayOperatorsMixin):
         """As that of an array."""
         return self._like(self.nodes.copy())
 
-    def astype(self, dtype: Any) -> Self:
-        """As that of an array: single precision rounds, truth values become numbers and numbers these."""
+    def astype(self, dtype: Any) -> SymbolicArray:
+        """As that of an array: rounded to single precision, truth values as numbers, or numbers as these."""
         kind = np.dtype(dtype)
         if kind == np.float32:
-            return self._like(elementwise(self.graph, SINGLE, self.numbers()))
+            from prp_gym.symbolic.single_array import SingleArray  # a kind of this class
+
+            return SingleArray(self.graph, elementwise(self.graph, SINGLE, self.numbers()))
         if kind == np.float64:
             return self.numbers()
         if kind == np.bool_:

@@ -68,7 +68,7 @@ class NumberWalk:
         if isinstance(value, float) and not isinstance(value, enum.Enum):
             self.structure.append("number")
             return self._replace(float(value))
-        if kind is SymbolicArray or (kind is np.ndarray and value.dtype == np.float64):
+        if isinstance(value, SymbolicArray) or (kind is np.ndarray and value.dtype == np.float64):
             self.structure.append(("numbers", value.shape))
             return self._replace(value)
         if isinstance(value, (*_KNOWN_BY_VALUE, *_KNOWN_BY_NAME)):

@@ -100,7 +100,7 @@ COPY_SIGN: Operation = Operation(
     "copysign({0}, {1})",
     lambda g, _, a, b: (g * _apply(SIGN, a) * _apply(SIGN, b), 0.0),
 )
-SIGN: Operation = Operation("sign", np.sign, "(double)(({0} > 0.0) - ({0} < 0.0))")
+SIGN: Operation = Operation("sign", np.sign, "({0} != {0} ? {0} : (double)(({0} > 0.0) - ({0} < 0.0)))")
 FLOOR: Operation = Operation("floor", np.floor, "floor({0})")
 ROUND: Operation = Operation("rint", np.rint, "rint({0})")
 SINGLE: Operation = Operation(
@@ -118,14 +118,14 @@ REMAINDER: Operation = Operation(
 MINIMUM: Operation = Operation(
     "minimum",
     np.minimum,
-    "({0} < {1} ? {0} : {1})",
+    "({0} < {1} || {0} != {0} ? {0} : {1})",
     lambda g, _, a, b: (_choose(_apply(LESS, a, b), g, 0.0), _choose(_apply(LESS, a, b), 0.0, g)),
     commutes=True,
 )
 MAXIMUM: Operation = Operation(
     "maximum",
     np.maximum,
-    "({0} > {1} ? {0} : {1})",
+    "({0} > {1} || {0} != {0} ? {0} : {1})",
     lambda g, _, a, b: (_choose(_apply(GREATER, a, b), g, 0.0), _choose(_apply(GREATER, a, b), 0.0, g)),
     commutes=True,
 )

@@ -119,6 +119,20 @@ FORMULAS: dict[str, Callable[[Any, Any], Any]] = {
     "any_number": lambda x, y: x[:1].any(axis=0) * 2.0 + y[:, :1].all(axis=-1),
     "sum_of_truth_values": lambda x, y: (x > 0.0) + (y > 0.0),
     "arithmetic_of_truth_values": lambda x, y: 2.0 * (x > 0.0) - y * (y < 0.0),
+    "numbers_of_truth_values": lambda x, y: (
+        (x > y).astype(np.float64) + (y > 0.0).astype(float) + x.astype(float)
+    ),
+    "truth_values_of_numbers": lambda x, y: x.astype(np.bool_) & (y > 0.0) | y.astype(bool).astype(bool),
+    "numbers_that_differ_from_zero": lambda x, y: (
+        np.count_nonzero(x, axis=1) - np.count_nonzero(y > 0.5, axis=0) + np.count_nonzero(x * y) / 2.0
+    ),
+    "single_precision": lambda x, y: (x / 3.0).astype(np.float32).astype(np.float64) - y / 3.0,
+    "single_precision_of_truth_values": lambda x, y: (x > y).astype(np.float32),
+    "parts_in_single_precision": lambda x, y: (
+        (x / 3.0).astype(np.float32)[1:, ::-1].mT.copy().reshape(-1).astype(np.float32).astype(np.float64)
+    ),
+    "largest_in_single_precision": lambda x, y: (x / 3.0).astype(np.float32).max(axis=0).astype(float),
+    "assign_single_precision": then(put(1, lambda x, y: (y[0] / 3.0).astype(np.float32))),
     "quotient_where": lambda x, y: np.divide(x, y, out=np.zeros_like(x), where=y != 0.0),
     "out": lambda x, y: np.multiply(x, y[0], out=y) + y,
 }

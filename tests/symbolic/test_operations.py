@@ -1,5 +1,6 @@
 """Every operation: the same bits from generated C code, from NumPy and from the evaluation of its node."""
 
+import itertools
 from functools import cache
 
 import numpy as np
@@ -7,13 +8,15 @@ import pytest
 
 from prp_gym.symbolic.array import SymbolicArray, elementwise
 from prp_gym.symbolic.function import SymbolicFunction, trace
-from prp_gym.symbolic.operations import COSINE, OPERATIONS, SINE, Operation
+from prp_gym.symbolic.operations import COSINE, OPERATIONS, SINE, SINGLE, Operation
 from tests.symbolic.compilation import Array, CompiledFunction, arity, compile_together
 
 ROWS = 200
 LARGEST, LEAST = np.finfo(np.float64).max, np.finfo(np.float64).tiny
 HALVES = np.arange(-3.0, 3.5, 0.5)  # among them the edges of rounding
 SPECIAL = np.array([*HALVES, -0.0, 1e-300, -1e300, np.pi, -np.pi / 2, 1e17, LARGEST, -LEAST, LEAST / 8])
+SINGLE_RANGE = np.finfo(np.float32)
+NOT_FINITE = (np.nan, np.inf, -np.inf, 0.0, 1.0, -1.0)
 OF_THE_CPU = ("exp", "log", "arctan2")
 """Functions whose last bit in NumPy depends on the kind of CPU; see `prp_gym.robot.arrays.elementwise`."""
 
@@ -88,10 +91,48 @@ def test_evaluation_gives_the_numbers_of_numpy(operation: Operation) -> None:
 
 
 @EVERY_OPERATION
+def test_what_is_not_a_number_is_passed_on_as_in_numpy(operation: Operation) -> None:
+    """So that a controller that divides by zero is noticed, whatever limits its torques."""
+    code = compiled()[f"numbers_{operation.name}"]
+    rows = np.array(list(itertools.product(NOT_FINITE, repeat=arity(operation))))
+    found = evaluated(operation, rows)
+    np.testing.assert_array_equal(np.array([code(named(row))["result"] for row in rows]), found)
+    maximum = 4 if operation.name in OF_THE_CPU else 0
+    np.testing.assert_array_max_ulp(found, of_numpy(operation, rows), maxulp=maximum)
+
+
+@EVERY_OPERATION
 def test_evaluation_of_a_function_is_that_of_its_operation(operation: Operation) -> None:
     rows, function = arguments(operation), traced(operation)
     found = np.array([function.evaluate(named(row))["result"] for row in rows[::5]])
     np.testing.assert_array_equal(found, evaluated(operation, rows[::5]))
+
+
+def test_rounding_to_single_precision_is_that_of_numpy() -> None:
+    """For numbers of every size: ordinary, subnormal, to zero, to infinity, and halfway between two."""
+    generator = np.random.default_rng(0)
+    sizes = np.repeat(np.arange(-160, 135), 4)
+    numbers = generator.choice([-1.0, 1.0], size=sizes.size) * np.ldexp(
+        generator.uniform(1.0, 2.0, sizes.size), sizes
+    )
+    single = numbers[np.abs(numbers) < SINGLE_RANGE.max].astype(np.float32)
+    halfway = (single.astype(np.float64) + np.nextafter(single, np.float32(np.inf))) / 2.0
+    largest = np.ldexp(1.0 - 2.0**-25, 128)  # from which on numbers become infinite
+    edges = [SINGLE_RANGE.max, np.nextafter(largest, 0.0), largest, SINGLE_RANGE.smallest_subnormal / 2.0]
+    rows = np.concatenate([numbers, halfway, single, edges, np.negative(edges), [0.0, -0.0]])
+    with np.errstate(over="ignore", under="ignore"):
+        expected = rows.astype(np.float32).astype(np.float64)
+    code = compiled()["numbers_single"]
+    for found in (
+        np.array([float(code({"x0": x})["result"]) for x in rows]),
+        np.array([SINGLE.evaluate(x) for x in rows.tolist()]),
+    ):
+        np.testing.assert_array_equal(found, expected)
+        np.testing.assert_array_equal(np.signbit(found), np.signbit(rows))
+    rounded = np.abs(expected)
+    subnormal = (rounded > 0.0) & (rounded < SINGLE_RANGE.smallest_normal)
+    kinds = (expected != rows, np.isinf(rounded), rounded == 0.0, subnormal)
+    assert [bool(kind.sum() > 10) for kind in kinds] == [True] * 4
 
 
 def test_sine_and_cosine_of_one_angle_are_those_of_numpy() -> None:

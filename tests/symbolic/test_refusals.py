@@ -2,6 +2,7 @@
 
 import math
 import operator
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -49,6 +50,19 @@ def test_branches_on_known_numbers_are_taken() -> None:
 
     function = trace("known", lambda x: {"y": formula(x)}, {"x": (2,)})
     np.testing.assert_array_equal(function.evaluate({"x": np.zeros(2)})["y"], np.ones(2))
+
+
+KNOWN: dict[str, Formula] = {
+    "float": lambda x: float(x[0] * 0.0 + 2.0),
+    "float_of_one_element": lambda x: float((x * 0.0 + 2.0)[:1]),
+    "function_of_math": lambda x: math.sqrt(x[0] * 0.0 + 4.0),
+}
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_numbers_are_converted(name: str) -> None:
+    function = trace("known", lambda x: {"y": KNOWN[name](x) * x}, {"x": (4,)})
+    np.testing.assert_array_equal(function.evaluate({"x": NUMBERS})["y"], 2.0 * NUMBERS)
 
 
 FUNCTIONS: dict[str, Formula] = {
@@ -136,6 +150,46 @@ def test_conversions_to_numbers_are_refused(name: str) -> None:
 def test_conversions_to_arrays_say_that_numbers_are_unknown(name: str) -> None:
     with pytest.raises(UntraceableError, match="unknown numbers"):
         traced(CONVERSIONS[name])
+
+
+@pytest.mark.parametrize("name", ["float", "function_of_math"])
+def test_conversions_to_one_number_depend_on_data(name: str) -> None:
+    with pytest.raises(
+        DataDependentBranchError, match=r"the conversion of Sym.* to a number cannot be traced"
+    ):
+        traced(CONVERSIONS[name])
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.float16, np.complex128, "U3", object])
+def test_conversions_to_other_kinds_of_numbers_are_refused(kind: Any) -> None:
+    with pytest.raises(UntraceableError, match=f"the conversion to {re.escape(str(np.dtype(kind)))} cannot"):
+        traced(lambda x: x.astype(kind))
+
+
+def put_single(x: Any) -> Any:
+    single = x.astype(np.float32)
+    single[0] = x[1]
+    return single
+
+
+IN_SINGLE_PRECISION: dict[str, Formula] = {
+    "sum_with_a_number": lambda x: x.astype(np.float32) + 1.0,
+    "product_of_both_precisions": lambda x: x * x.astype(np.float32),
+    "opposite": lambda x: -x.astype(np.float32),
+    "comparison": lambda x: x.astype(np.float32) > 0.1,
+    "sine": lambda x: np.sin(x[:2].astype(np.float32)),
+    "sum": lambda x: x.astype(np.float32).sum(),
+    "sum_by_numpy": lambda x: np.add.reduce(x.astype(np.float32)),
+    "choice": lambda x: np.where(x > 0.0, x.astype(np.float32), np.float32(0.1)),
+    "stack": lambda x: np.stack([x.astype(np.float32), x]),
+    "assignment": put_single,
+}
+
+
+@pytest.mark.parametrize("name", IN_SINGLE_PRECISION)
+def test_what_numpy_would_compute_in_single_precision_is_refused(name: str) -> None:
+    with pytest.raises(UntraceableError, match="in single precision cannot be traced"):
+        traced(IN_SINGLE_PRECISION[name])
 
 
 def masked(x: Any) -> Any:
