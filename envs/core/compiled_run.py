@@ -41,7 +41,6 @@ class CompiledPeriods:
             self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
         self._plan = Plan(rows=loop.num_envs, periods=1)
         self._address, self._arrays = ctypes.byref(self._plan), dict[str, NDArray[Any]]()
-        self._refers = self._simulates and self._source.references is not None
         self._parts = loop.period_parts()
         rows, parts = loop.num_envs, self._parts
         joints = ("torque", "beyond", "action", "saturated", "command", "applied")
@@ -54,7 +53,7 @@ class CompiledPeriods:
             columns["noise"] = loop.joints
         if parts.sensors.errors_ahead(0) is not None:
             columns["error"] = 3
-        if self._refers and self._source.references is not None:
+        if self._source.references is not None:
             columns["reference_numbers"] = self._source.references.size
         self._set({name: np.zeros((rows, size)) for name, size in columns.items()})
         self._set({"clock": np.zeros(rows), "reward": np.zeros(rows), "ended": np.zeros(rows, dtype=np.intp)})
@@ -81,7 +80,7 @@ class CompiledPeriods:
         arrays["memory"][:] = self._source.rows.read(self._parts.owners)
         arrays["clock"][:], arrays["reference"][:] = loop.window.elapsed, loop.window.current
         arrays["ground_truth"][:] = loop.ground_truth
-        if self._refers and self._source.references is not None:
+        if self._source.references is not None:
             arrays["reference_numbers"][:] = self._source.references.read(loop.task.parts.reference)
             loop.window.hold(arrays["clock"], arrays["reference"])
         else:
@@ -137,7 +136,7 @@ class CompiledPeriods:
     def _prepare(self) -> None:
         """Give the sensor errors of the next period to the compiled code, and a sampled reference."""
         self._draw("error", self._parts.sensors.errors_ahead(1))
-        if not self._refers:
+        if self._source.references is None:
             self._loop.window.advance(self._loop.task.reference)
             self._arrays["sampled"][:] = self._loop.window.current
 
@@ -180,7 +179,7 @@ class CompiledPeriods:
         if size > LARGEST_STATE:
             raise UntraceableError(f"a state of {size} numbers cannot be kept in compiled code.")
         record = EpisodeRecord.of(loop, periods)
-        if not self._refers:
+        if self._source.references is None:
             times = loop.window.times_ahead(periods)
             self._set({"sampled": np.ascontiguousarray(loop.task.reference(times))})
         for name, values in (

@@ -111,8 +111,9 @@ class PeriodSource:
     Attributes:
         numbers: numbers of the task (P).
         rows: rows of what task and actuators keep from one period to the next.
-        references: rows of the references; None where these cannot be traced and are sampled ahead.
-        is_exact: whether every machine gives the bits of NumPy, references apart.
+        references: rows of the references; None where these are sampled ahead: with MuJoCo's physics, and
+            where they cannot be traced.
+        is_exact: whether every machine gives the bits of NumPy.
         text: C source with the functions `prp_command` and `prp_score`, and with `prp_run` if the physics is
             compiled, too.
 
@@ -139,9 +140,11 @@ class PeriodSource:
         self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
         self.numbers = numbers_of(self._parts, CONSTANTS)
         self.references: ReferenceRows | None = None
-        functions = [self._traced_actuators(), self._traced_judge(), *self._traced_reference(task)]
+        functions = [self._traced_actuators(), self._traced_judge()]
+        if self._sizes["physics"]:
+            functions += self._traced_reference(task)
         self._sizes["reference_numbers"] = self.references.size if self.references else 0
-        self.is_exact = all(function.is_exact for function in functions[:2])
+        self.is_exact = all(function.is_exact for function in functions)
         physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}"
         self.text = self._source(physics, functions)
 
