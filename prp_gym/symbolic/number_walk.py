@@ -1,5 +1,6 @@
 """`NumberWalk`: the numbers that objects hold, and what the objects are apart from them."""
 
+import copy
 import enum
 import pickle
 from collections.abc import Callable, Hashable, Iterable
@@ -106,12 +107,12 @@ class NumberWalk:
         return self._of_object(value)
 
     def _of_object(self, value: Any) -> Any:
-        """The copy of an object, attribute by attribute; a pickled one where it has more than attributes."""
+        """The copy of an object, attribute by attribute; a deep one where it has more than attributes."""
         try:
             made = object.__new__(type(value))
         except TypeError:  # a class that is not written in Python, or has a base that is not
-            self.structure.append(text := _pickled(value))
-            return self._keep(value, pickle.loads(text))
+            self.structure.append(_pickled(value))
+            return self._keep(value, copy.deepcopy(value))
         parts = attributes_of(value)
         if not parts:  # nothing that could change, but an identity
             self.structure.append(_Identity(value))
