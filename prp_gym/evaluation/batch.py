@@ -80,5 +80,3 @@ def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
                 again = np.flatnonzero(step.terminated)
                 observation, starts[again] = loop.reset(again, [rngs[row] for row in again], {}), True
     return [recorder.rollout(row, int(seed), np.array(times)) for row, seed in enumerate(seeds)]
-
-
