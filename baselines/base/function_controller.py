@@ -12,9 +12,10 @@ import numpy as np
 from prp_gym.baselines.base.policy import Observed, StaticBaseline
 from prp_gym.baselines.base.settings import LARGEST_SETTING, Settings, Vector
 from prp_gym.baselines.base.spec import ControllerSpec
-from prp_gym.checks import as_numbers, finite, text
+from prp_gym.checks import as_array, as_numbers, check_finite, text
 from prp_gym.errors import InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.array import is_symbolic
 from prp_gym.tasks.fields import ObservationLayout
 
 Function = Callable[..., Array]
@@ -81,10 +82,13 @@ class FunctionPolicy(StaticBaseline[FunctionSettings]):
         settings = {name: getattr(self.settings, name) for name in self.settings.vectors}
         what = f"torques returned by controller function {self.function.__name__!r}"
         returned = type(self).function(*values, **settings)
-        torque = finite(what, returned, largest=LARGEST_TORQUE)
+        torque = as_array(what, returned)
+        check_finite(what, torque, largest=LARGEST_TORQUE)
         expected = observed["joint_position"].shape
         if torque.shape != expected:
             raise ShapeError(what, torque.shape, f"{expected}, one torque for every joint")
+        if is_symbolic(torque):  # compiled code refuses what is not a number
+            return np.where(np.abs(torque) <= LARGEST_TORQUE, torque, np.nan)
         return torque
 
 

@@ -165,7 +165,7 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        if "predict" in vars(cls):
+        if cls.predict is not Baseline.predict:
             cls.compiled = False
 
     def __init__(self, interface: ControlInterface, settings: SettingsT) -> None:

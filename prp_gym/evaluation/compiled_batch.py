@@ -17,11 +17,13 @@ from prp_gym.tasks.setup import COMPILED
 _TIMED = 16  # actions on which the compute time of a policy is measured
 
 
-def runs_compiled(policy: object, inner: Any) -> bool:
+def runs_compiled(policy: Any, inner: Any) -> bool:
     """Whether compiled code can run a policy in an environment, if the formulas of both can be traced."""
-    if not getattr(policy, "compiled", False) or not getattr(policy, "batched", False):
+    own = getattr(type(policy), "compiled", False) and "predict" not in vars(policy)
+    if not own or not getattr(policy, "batched", False):
         return False
-    return bool(inner.config.engine == COMPILED and inner.action_mode == "torque")
+    fits = policy.interface.torque_limit.shape == inner.action_space.shape
+    return bool(fits and inner.config.engine == COMPILED and inner.action_mode == "torque")
 
 
 def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout] | None:
@@ -34,7 +36,6 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     if not runs_compiled(policy, inner):
         return None
     loop, _, observation = begin(inner, seeds)
-    times = [time_one(policy, observation[0]) for _ in range(_TIMED)]
     recorder = Recorder(inner, loop)
     try:
         controller = CompiledController(policy, observation)
@@ -44,6 +45,7 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     if record is None:
         return None
     recorder.take_episodes(record)
+    times = [time_one(policy, observation[0]) for _ in range(_TIMED)]
     return [recorder.rollout(row, int(seed), np.array(times)) for row, seed in enumerate(seeds)]
 
 

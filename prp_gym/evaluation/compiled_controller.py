@@ -5,11 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.evaluation.policy_state import LARGEST
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
+from prp_gym.symbolic.array import SymbolicArray, untraceable
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
 from prp_gym.symbolic.compiler import load_library
+from prp_gym.symbolic.graph import Graph, Node
 from prp_gym.symbolic.lifting import numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import attributes, require_same
 from prp_gym.tasks.fields import ObservationLayout
@@ -33,13 +36,18 @@ class CompiledController:
         function: address of the compiled function.
 
     Raises:
-        UntraceableError: a controller that uses more than arithmetic on arrays.
+        UntraceableError: a controller that uses more than arithmetic on arrays, or keeps anything but its
+            state.
+        ShapeError: observations of another size.
         CompilerError: no compiler.
     """
 
     def __init__(self, controller: Any, observation: Array) -> None:
         layout = controller.interface.layout
+        layout.checked(observation[0])
         state = controller.initial_state(layout.split(observation))
+        if any(np.shape(part)[:1] != observation.shape[:1] for part in state):
+            raise untraceable("a state without an axis of environments")
         self._shapes = [part.shape[1:] for part in state]
         self._kinds = [part.dtype for part in state]
         rows = [part.reshape(len(observation), -1).astype(np.float64) for part in state]
@@ -63,5 +71,24 @@ class CompiledController:
         before = attributes(controller)
         action, after = controller.act(observed, tuple(parts))
         require_same(controller, before)
-        flat = [part.astype(np.float64).reshape((1, -1)) for part in after]
-        return {"action": action, "after": np.concatenate(flat, axis=1) if flat else state}
+        again = controller.act(observed, tuple(parts))
+        if _nodes(observation.graph, action, after) != _nodes(observation.graph, *again):
+            raise untraceable(f"what {type(controller).__name__} keeps outside of its state")
+        if action.shape != (1, *controller.interface.torque_limit.shape):
+            raise untraceable(f"an action of shape {action.shape}")
+        if [part.shape[1:] for part in after] != self._shapes:
+            raise untraceable("a state whose shape changes")
+        return _refused(action, after) if after else {"action": action, "after": state}
+
+
+def _refused(action: Any, after: Any) -> dict[str, Any]:
+    """Action and state in a row, with an action that is no number where `predict` would refuse the state."""
+    kept = np.concatenate([part.astype(np.float64).reshape((1, -1)) for part in after], axis=1)
+    allowed = (np.abs(kept) <= LARGEST).all(axis=1, keepdims=True)
+    return {"action": np.where(allowed, action.astype(np.float64), np.nan), "after": kept}
+
+
+def _nodes(graph: Graph, action: Any, after: Any) -> list[Node]:
+    """The expressions of what `act` has returned; equal ones are the same."""
+    arrays = (SymbolicArray.of(graph, part.astype(np.float64)) for part in (action, *after))
+    return [node for array in arrays for node in array.flat()]

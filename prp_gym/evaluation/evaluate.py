@@ -11,7 +11,7 @@ import numpy as np
 from prp_gym.checks import random_seed, whole
 from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.batch import can_batch, record_episodes
-from prp_gym.evaluation.compiled_batch import runs_compiled
+from prp_gym.evaluation.compiled_batch import record_compiled
 from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.failure import FAILURES
 from prp_gym.evaluation.metrics import METRICS, episode_metrics
@@ -169,12 +169,13 @@ def evaluate(
     count = episodes_to_run(env, episodes)
     chosen = _policy(policy, env)
     seeds = [int(seed) + index for index in range(count)]
-    several = count > 1 or runs_compiled(chosen, env.unwrapped)
-    if several and takes_batches(chosen) and can_batch(env):
-        rollouts = record_episodes(chosen, env, seeds)
-        for _ in seeds:
-            on_episode()
-        return Evaluation(rollouts, int(seed))
+    if takes_batches(chosen) and can_batch(env):
+        together = record_episodes if count > 1 else record_compiled
+        found = together(chosen, env.unwrapped, seeds)
+        if found is not None:
+            for _ in seeds:
+                on_episode()
+            return Evaluation(found, int(seed))
     rollouts = []
     for own in seeds:
         rollouts.append(record_episode(chosen, env, own))

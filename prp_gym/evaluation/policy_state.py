@@ -11,7 +11,9 @@ from prp_gym.errors import InvalidValueError, ShapeError
 
 PolicyState = tuple[NDArray[Any], ...] | None
 
-_LARGEST = 1e18  # of a state; products with the weights of a network stay within single precision
+LARGEST = 1e18
+"""Largest magnitude of a state: products with the weights of a network stay within single precision."""
+
 _NOWHERE: NDArray[np.bool_] = np.zeros(1, dtype=np.bool_)
 
 
@@ -90,6 +92,6 @@ def _require_like(fresh: tuple[NDArray[Any], ...], state: Sequence[NDArray[Any]]
         values = old if like else as_numbers("state", old).astype(new.dtype)
         if values.shape != new.shape:
             raise ShapeError("state", values.shape, f"{new.shape}")
-        check_finite("state", values, largest=_LARGEST)
+        check_finite("state", values, largest=LARGEST)
         checked.append(values)
     return tuple(checked)

@@ -14,6 +14,7 @@ from prp_gym.symbolic.array import SymbolicArray
 
 _KNOWN_BY_VALUE = (bool, int, str, bytes, range, type(None))
 _KNOWN_BY_NAME = (enum.Enum, type, FunctionType, ModuleType, np.ufunc)
+_STRUCTURE = (*_KNOWN_BY_VALUE, *_KNOWN_BY_NAME)
 
 
 class _Identity:
@@ -72,7 +73,7 @@ class NumberWalk:
         if isinstance(value, SymbolicArray) or (kind is np.ndarray and value.dtype == np.float64):
             self.structure.append(("numbers", value.shape))
             return self._replace(value)
-        if isinstance(value, (*_KNOWN_BY_VALUE, *_KNOWN_BY_NAME)):
+        if isinstance(value, _STRUCTURE):
             self.structure.append((kind, value))
             return value
         if isinstance(value, self._constants):

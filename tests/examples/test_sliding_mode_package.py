@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from tests.support.compiler import needs_compiler
+
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "examples" / "prp_gym_sliding_mode"
 TASK, CONTROLLER = "Example-JointRoundTrip-v0", "sliding_mode"
@@ -127,6 +129,29 @@ def test_tune_searches_the_declared_space(installed: Path, tmp_path: Path) -> No
     journal = (folder / "study.log").read_text(encoding="utf-8")
     assert f"plugin {MODULE}" in journal
     assert "boundary_layer_joint_3" in journal
+
+
+COMPILED = """
+import gymnasium, json, prp_gym, prp_gym_sliding_mode
+from prp_gym.evaluation.batch import _record
+from prp_gym.evaluation.compiled_batch import record_compiled
+periods = []
+for scenario in ("report", "realistic"):
+    keywords = {"engine": "compiled", "scenario": scenario, "duration": 0.3}
+    env = gymnasium.make("Example-JointRoundTrip-v0", **keywords).unwrapped
+    for name in ("sliding_mode", "joint_pd"):
+        episodes = [run(prp_gym.make_baseline(name, env), env, (1, 2)) for run in (record_compiled, _record)]
+        for one, other in zip(*episodes, strict=True):
+            same = [(one.torque == other.torque).all(), (one.reward == other.reward).all()]
+            same += [(values == other.fields[field]).all() for field, values in one.fields.items()]
+            periods.append(len(one.reward) if all(same) else 0)
+print(json.dumps(periods))
+"""
+
+
+@needs_compiler
+def test_compiled_code_runs_its_task_and_its_controller() -> None:
+    assert json.loads(run(["-c", COMPILED], PACKAGE / "src")) == [150] * 8
 
 
 THEORY = """
