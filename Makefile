@@ -9,7 +9,9 @@ LOWEST_TESTS ?= tests/action_modes tests/agents tests/baselines tests/conformanc
 	tests/conformance/test_registration.py tests/conformance/test_vector_wrappers.py \
 	tests/conformance/test_wrappers.py tests/core tests/envs tests/evaluation tests/physics tests/robot \
 	tests/runs tests/tasks tests/tuning
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt
+# Bytecode of all packages, on all cores, where pip takes one; some have files for other versions of Python.
+COMPILE := $(BIN)/python -m compileall -qq -j 0 $(VENV)/lib || true
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants mutants-reproduce fuzz kills clients lint type bench \
@@ -81,6 +83,7 @@ audit: $(VENV)/.dev
 
 tune: $(VENV)/.core
 	$(PIP) --editable '.[tune]'
+	$(COMPILE)
 	$(BIN)/prp-gym tune-all --output tuning $(TUNE)
 	$(BIN)/prp-gym ship-gains --searches tuning
 
@@ -100,14 +103,17 @@ $(VENV)/.core: pyproject.toml constraints.txt
 		{ echo "prp_gym needs Python 3.11 or newer; this is $$($(PYTHON) --version). Set PYTHON=..."; exit 1; }
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(PIP) --editable .
+	$(COMPILE)
 	@touch $@
 
 $(VENV)/.agents: $(VENV)/.core
 	$(PIP) --editable '.[agents]'
+	$(COMPILE)
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.core
 	$(PIP) --editable '.[dev]'
+	$(COMPILE)
 	@touch $@
 
 # The lowest declared version of every dependency; what these need is taken at its newest version.

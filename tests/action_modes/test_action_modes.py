@@ -1,5 +1,6 @@
 """Action modes: a zero action leaves the inner controller as it is, other actions act as declared."""
 
+import itertools
 from collections.abc import Sequence
 from typing import Any
 
@@ -60,8 +61,11 @@ def test_zero_action_equals_the_inner_controller_at_500_hz(environment_id: str, 
     assert_same_episodes(record_episodes(idle(env), env, [0, 1]), expected)
 
 
-@pytest.mark.parametrize("rate", [20, 500])
-@pytest.mark.parametrize(("environment_id", "mode"), KINDS)
+AT_RATES = [(*kind, rate) for kind, rate in zip(KINDS, itertools.cycle((20, 500)), strict=False)]
+"""Each kind of mode at one of the rates."""
+
+
+@pytest.mark.parametrize(("environment_id", "mode", "rate"), AT_RATES)
 def test_evaluation_with_zero_actions_equals_that_of_the_inner_controller_at_any_rate(
     environment_id: str, mode: str, rate: int
 ) -> None:

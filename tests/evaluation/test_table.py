@@ -1,5 +1,6 @@
 """The table for the terminal: content of its cells, and a width of at most 120 columns for every task."""
 
+import itertools
 from functools import cached_property
 from io import StringIO
 
@@ -252,8 +253,10 @@ def test_no_controller_has_a_longer_name_than_the_table_was_tried_with() -> None
     assert max(map(len, BASELINES)) <= len(LONGEST_NAME)
 
 
-@pytest.mark.parametrize("scenario", ["report", "randomized"])
-@pytest.mark.parametrize("environment_id", list_envs())
+@pytest.mark.parametrize(
+    ("environment_id", "scenario"),
+    list(zip(list_envs(), itertools.cycle(("report", "randomized")), strict=False)),
+)
 def test_table_of_real_evaluations_is_whole(environment_id: str, scenario: str) -> None:
     env = gymnasium.make(environment_id, scenario=scenario, duration=0.04)
     controllers = list_baselines(env.get_wrapper_attr("observation_layout"))
