@@ -15,7 +15,7 @@ COMPILE := $(BIN)/python -m compileall -qq -j 0 $(VENV)/lib || true
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants mutants-reproduce fuzz kills clients lint type bench \
-        peers docs frames tune train compare audit learn-check first-ten-minutes clean
+        peers docs frames bench-engines tune train compare audit learn-check first-ten-minutes clean
 
 install: $(VENV)/.core
 
@@ -58,6 +58,9 @@ first-ten-minutes: $(VENV)/.core
 
 bench: $(VENV)/.dev peers
 	$(BIN)/python -m bench
+
+bench-engines: $(VENV)/.dev
+	$(BIN)/python -m bench.engines
 
 peers: $(VENV)/.dev
 	$(BIN)/python -m bench.peers

@@ -11,7 +11,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Annotated, Any
 
 import gymnasium
@@ -20,16 +19,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-import prp_gym
 from bench.rounds import CONTACT, FREE, REACHER
 from bench.single import bare_loop, random_actions
-from prp_gym.artifacts import write_json
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.evaluation import evaluate
 from prp_gym.tasks.setup import COMPILED, MUJOCO
-
-STORED = Path(__file__).with_suffix(".json")
-"""The measurement that docs/performance.md shows."""
 
 FORCE = "PRP-Force-v0"
 _SIZE = 1024
@@ -41,7 +35,7 @@ class Program:
     """What a process measures.
 
     Attributes:
-        kind: `single`, `vector`, `bare`, `reset`, `evaluate` or `held`.
+        kind: `single`, `vector`, `bare`, `evaluate` or `held`.
         environment: environment id.
         engine: engine of the environment; empty for one of another suite.
         scenario: scenario; empty for an environment of another suite.
@@ -137,18 +131,6 @@ def _bare(program: Program) -> Callable[[], float]:
     return bare_loop(gymnasium.make(program.environment, scenario=program.scenario))
 
 
-def _reset(program: Program) -> Callable[[], float]:
-    """Resets of one environment."""
-    env = gymnasium.make(program.environment, **_keywords(program))
-
-    def chunk() -> float:
-        for _ in range(20):
-            env.reset()
-        return 20
-
-    return chunk
-
-
 def _evaluate(program: Program) -> Callable[[], float]:
     """Episodes of all controllers of a task, with all metrics."""
     env = gymnasium.make(program.environment, **_keywords(program))
@@ -169,7 +151,6 @@ _KINDS = {
     "vector": _vector,
     "held": _held,
     "bare": _bare,
-    "reset": _reset,
     "evaluate": _evaluate,
 }
 
@@ -243,7 +224,7 @@ def main(
     only: Annotated[str, typer.Option(help="Kind of programs to measure; empty for all.")] = "",
     child: Annotated[str, typer.Option(hidden=True)] = "",
 ) -> None:
-    """Compare the engines, print a table, and store it."""
+    """Compare the engines, and print a table."""
     if child:
         print(measure(Program(**json.loads(child)), seconds))
         return
@@ -255,8 +236,6 @@ def main(
             rates[program].append(_measured(program, seconds))
     rows = [row_of(one, rates) for one in chosen]
     Console(width=170).print(table(rows))
-    if not only:
-        write_json(STORED, {"prp_gym": prp_gym.__version__, "rounds": rounds, "rows": rows})
 
 
 if __name__ == "__main__":
