@@ -155,8 +155,11 @@ class SymbolicArray(NDArrayOperatorsMixin):
         self.nodes[key] = nodes if nodes.ndim else nodes[()]  # NumPy would store an array of no dimension
 
     def __bool__(self) -> bool:
-        if self.size == 1 and (node := self.flat()[0]).is_constant:
-            return bool(node.value)
+        if self.size == 1:
+            node = self.flat()[0]
+            outcome = bool(node.value) if node.is_constant else self.graph.decide(node)
+            if outcome is not None:
+                return outcome
         self.graph.undecided = tuple(self.flat())
         branch = f"a branch on {shortened(self)} cannot be traced into compiled code"
         raise DataDependentBranchError(f"{branch}; write numpy.where in its place.")

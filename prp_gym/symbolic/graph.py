@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from prp_gym.symbolic.operations import ADD, DIVIDE, MULTIPLY, NEGATIVE, SUBTRACT, Operation
 from prp_gym.symbolic.simplification import simplified
@@ -80,11 +80,15 @@ class Graph:
     Attributes:
         nodes: all nodes, in an order in which every node stands after its arguments.
         undecided: nodes of the condition on which a formula last branched and which was not known.
+        known: numbers of inputs; a branch on these alone is decided by them.
+        decisions: conditions that were decided so, with their outcomes.
     """
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
         self.undecided: tuple[Node, ...] = ()
+        self.known: dict[Node, float] = {}
+        self.decisions: dict[Node, bool] = {}
         self._constants: dict[str, Node] = {}
         self._inputs: dict[str, Node] = {}
         self._results: dict[tuple[Operation, tuple[Node, ...]], Node] = {}
@@ -105,6 +109,13 @@ class Graph:
     def lift(self, value: Node | float) -> Node:
         """A number as a node; a node as it is."""
         return value if isinstance(value, Node) else self.constant(value)
+
+    def decide(self, condition: Node) -> bool | None:
+        """The outcome of a condition on known inputs, which is noted; None for one on others."""
+        value = value_of(condition, self.known)
+        if value is None:
+            return None
+        return self.decisions.setdefault(condition, bool(value))
 
     def apply(self, operation: Operation, *values: Node | float) -> Node:
         """The result of an operation; a known or simpler equal node where there is one."""
@@ -130,3 +141,18 @@ def reached(outputs: Iterable[Node]) -> list[Node]:
             found.add(node)
             waiting.extend(node.arguments)
     return sorted(found, key=lambda node: node.index)
+
+
+def value_of(output: Node, known: Mapping[Node, float]) -> float | None:
+    """The value of a node where the inputs have these numbers; None if it depends on others."""
+    values: dict[Node, float] = {}
+    for node in reached((output,)):
+        if node.is_input:
+            if node not in known:
+                return None
+            values[node] = known[node]
+        elif node.operation is None:
+            values[node] = node.value
+        else:
+            values[node] = node.operation.evaluate(*(values[argument] for argument in node.arguments))
+    return values[output]

@@ -5,7 +5,7 @@ function serves every controller and every task of a kind, and it has derivative
 """
 
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from prp_gym.errors import DataDependentBranchError, UntraceableError, shortened
 from prp_gym.symbolic.array import SymbolicArray
 from prp_gym.symbolic.function import SymbolicFunction, Symbols
-from prp_gym.symbolic.graph import Graph, Node, reached
+from prp_gym.symbolic.graph import Graph, Node, reached, value_of
 from prp_gym.symbolic.number_walk import NumberWalk
 
 Formula = Callable[..., Mapping[str, Any]]
@@ -53,14 +53,19 @@ class LiftedFunction:
         function: the function.
         fixed: numbers on which the formula branches, with the values for which it was traced, by their
             positions; of them the function does not depend.
+        decisions: conditions on the numbers that were decided by these, with their outcomes.
     """
 
     function: SymbolicFunction
     fixed: Mapping[int, float]
+    decisions: Mapping[Node, bool] = field(default_factory=dict)
 
     def serves(self, numbers: NDArray[np.float64]) -> bool:
         """Whether the function is that of other objects of the same structure, with these numbers (P)."""
-        return all(float(numbers[position]).hex() == value.hex() for position, value in self.fixed.items())
+        if any(float(numbers[position]).hex() != value.hex() for position, value in self.fixed.items()):
+            return False
+        known = _known_numbers(self.function.inputs[_NUMBERS], numbers)
+        return all(value_of(node, known) == outcome for node, outcome in self.decisions.items())
 
 
 def trace_method(
@@ -70,6 +75,8 @@ def trace_method(
     shapes: Mapping[str, tuple[int, ...]],
     constants: tuple[type, ...] = (),
     kind: Hashable = None,
+    *,
+    decide: bool = False,
 ) -> LiftedFunction:
     """Trace a formula of objects; once for all objects of one structure, if the formula has a kind.
 
@@ -81,9 +88,11 @@ def trace_method(
         shapes: shapes of the arguments.
         constants: classes of objects whose numbers are constants.
         kind: what tells the formula from others, apart from objects, name and shapes; None to trace anew.
+        decide: whether a branch on numbers alone is decided by these, which stay inputs.
 
     Returns:
-        the function of the arguments and of `numbers`. A number on which the formula branches is a constant.
+        the function of the arguments and of `numbers`. A number on which the formula branches otherwise is a
+        constant.
 
     Raises:
         UntraceableError: a formula that uses more than arithmetic on arrays, or fails on symbolic ones.
@@ -91,12 +100,12 @@ def trace_method(
     """
     values = numbers_of(target, constants)
     if kind is None:
-        return _trace_with(values, name, formula, target, shapes, constants)
-    key = name, kind, tuple(shapes.items()), structure_of(target, constants)
+        return _trace_with(values, name, formula, target, shapes, constants, decide)
+    key = name, kind, decide, tuple(shapes.items()), structure_of(target, constants)
     known = _KNOWN.get(key, [])
     found = next((each for each in known if each.serves(values)), None)
     if found is None:
-        found = _trace_with(values, name, formula, target, shapes, constants)
+        found = _trace_with(values, name, formula, target, shapes, constants, decide)
         known = [*known, found][-_MOST_BRANCHES:]
     _KNOWN.pop(key, None)
     _KNOWN[key] = known  # the latest last
@@ -117,15 +126,15 @@ def _trace_with(
     target: Any,
     shapes: Mapping[str, tuple[int, ...]],
     constants: tuple[type, ...],
+    decide: bool,
 ) -> LiftedFunction:
     """Trace with as few numbers fixed as the branches of the formula allow."""
     fixed: dict[int, float] = {}
     while True:
         graph = Graph()
         try:
-            return LiftedFunction(
-                _traced(graph, name, formula, (target, constants, values, fixed), shapes), fixed
-            )
+            function = _traced(graph, name, formula, (target, constants, values, fixed), shapes, decide)
+            return LiftedFunction(function, fixed, dict(graph.decisions))
         except DataDependentBranchError:
             more = _numbers_behind(graph.undecided) - fixed.keys()
             if not more:
@@ -139,10 +148,13 @@ def _traced(
     formula: Formula,
     lifted: tuple[Any, tuple[type, ...], NDArray[np.float64], Mapping[int, float]],
     shapes: Mapping[str, tuple[int, ...]],
+    decide: bool,
 ) -> SymbolicFunction:
     target, constants, values, fixed = lifted
     inputs = {each: SymbolicArray.inputs(graph, each, shape) for each, shape in shapes.items()}
     numbers = SymbolicArray.inputs(graph, _NUMBERS, values.shape)
+    if decide:
+        graph.known = _known_numbers(numbers, values)
     seen = numbers.copy()
     for position, value in fixed.items():
         seen[position] = value
@@ -166,6 +178,10 @@ def _traced(
         failed = f"{type(error).__name__}: {shortened(str(error))}"
         raise UntraceableError(f"{name} cannot be traced into compiled code: {failed}") from error
     return SymbolicFunction(name, {**inputs, _NUMBERS: numbers}, outputs)
+
+
+def _known_numbers(inputs: SymbolicArray, values: NDArray[np.float64]) -> dict[Node, float]:
+    return dict(zip(inputs.flat(), values.tolist(), strict=True))
 
 
 def _numbers_behind(nodes: tuple[Node, ...]) -> set[int]:
