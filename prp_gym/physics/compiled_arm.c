@@ -1,49 +1,54 @@
 /* N arms, advanced one after the other with the functions generated from the formulas. */
 
-/* The forces of the constraints in the joints, and of the surface; `b` becomes b + Σ Jᵀf. */
-static inline void prp_constrain(
+/* The constraints of one arm that are active; the surface is the last. */
+static inline void prp_collect(
     const prp_world *world, const double *q, const double *v, const double *plant, const double *surface,
-    const double *B, double *b, double *push, double *along)
+    prp_constraints *c)
 {
-    prp_constraints c;
-    double J[9], reference[3], weight[3], first[3];
-    *push = 0.0;
-    c.count = 0;
+    double J[9], reference[3], weight[3];
+    c->count = 0;
     if (world->friction) {
         prp_friction_rows(q, v, plant, J, reference, weight);
         for (int i = 0; i < 3; i++)
             if (plant[PRP_COULOMB + i] != 0.0)
-                prp_add(&c, J + 3 * i, reference[i], weight[i], plant[PRP_COULOMB + i]);
+                prp_add(c, PRP_FRICTION_ROW + i, J + 3 * i, reference[i], weight[i], plant[PRP_COULOMB + i]);
     }
     if (world->stops) {
         prp_stop_rows(q, v, plant, J, reference, weight);
         for (int i = 0; i < 3; i++)
             if (weight[i] != 0.0)
-                prp_add(&c, J + 3 * i, reference[i], weight[i], -1.0);
+                prp_add(c, PRP_STOP_ROW + i, J + 3 * i, reference[i], weight[i], -1.0);
     }
-    const int others = c.count;
-    int touches = 0;
     if (world->surface) {
-        prp_surface_row(q, v, plant, surface, along, reference, weight);
-        touches = weight[0] != 0.0;
+        prp_surface_row(q, v, plant, surface, J, reference, weight);
+        if (weight[0] != 0.0)
+            prp_add(c, PRP_SURFACE_ROW, J, reference[0], weight[0], -1.0);
     }
-    if (others == 0) {
-        if (touches) {
-            prp_surface_force(B, b, along, reference, weight, push);
-            for (int j = 0; j < 3; j++)
-                b[j] += along[j] * *push;
-        }
+}
+
+/* The forces of the constraints in the joints, and of the surface; `b` becomes b + Σ Jᵀf. */
+static inline void prp_constrain(
+    const prp_world *world, const double *q, const double *v, const double *plant, const double *surface,
+    const double *B, double *b, double *push)
+{
+    prp_constraints c;
+    double acceleration[3];
+    *push = 0.0;
+    prp_collect(world, q, v, plant, surface, &c);
+    if (c.count == 0)
         return;
+    const int last = c.count - 1, touches = c.row[last] == PRP_SURFACE_ROW;
+    if (touches && last == 0) {
+        prp_surface_force(B, b, c.jacobian[0], c.reference, c.weight, c.force);
+    } else {
+        prp_solve3(B, b, acceleration);
+        prp_minimise(&c, B, b, acceleration);
     }
-    if (touches)
-        prp_add(&c, along, reference[0], weight[0], -1.0);
-    prp_solve3(B, b, first);
-    prp_minimise(&c, B, b, first);
     for (int i = 0; i < c.count; i++)
         for (int j = 0; j < 3; j++)
             b[j] += c.jacobian[i][j] * c.force[i];
     if (touches)
-        *push = c.force[c.count - 1];
+        *push = c.force[last];
 }
 
 static inline int prp_inside(const prp_world *world, const double *q, const double *v)
@@ -72,10 +77,10 @@ int prp_advance(
         double *q = position + 3 * row, *v = velocity + 3 * row;
         const double *tau = torque + 3 * row, *plant = plants + PRP_PLANT * row;
         const double *surface = surfaces + PRP_SURFACE * row;
-        double B[9], b[3], push, along[3], later[3], faster[3];
+        double B[9], b[3], push, later[3], faster[3];
         for (int k = 0; k < world->substeps && !lost[row]; k++) {
             prp_unconstrained(q, v, tau, plant, B, b);
-            prp_constrain(world, q, v, plant, surface, B, b, &push, along);
+            prp_constrain(world, q, v, plant, surface, B, b, &push);
             prp_advanced(q, v, plant, B, b, later, faster);
             for (int j = 0; j < 3; j++) {
                 if (isfinite(later[j]) && isfinite(faster[j]))
@@ -89,7 +94,7 @@ int prp_advance(
         prp_measured(q, v, out);
         if (world->surface) {
             prp_unconstrained(q, v, tau, plant, B, b);
-            prp_constrain(world, q, v, plant, surface, B, b, &push, along);
+            prp_constrain(world, q, v, plant, surface, B, b, &push);
             for (int j = 0; j < 3; j++)
                 out[18 + j] = -push * surface[8 + j];
         }

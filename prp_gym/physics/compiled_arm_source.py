@@ -14,7 +14,7 @@ from prp_gym.robot.arrays import Array, apply, solve_symmetric
 from prp_gym.robot.dynamics import BaseParameters
 from prp_gym.robot.parameters import NOMINAL
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
-from prp_gym.symbolic.function import trace
+from prp_gym.symbolic.function import SymbolicFunction, trace
 
 _HAND_WRITTEN = ("compiled_world.h", "constraint_solver.c", "compiled_arm.c")
 
@@ -65,12 +65,21 @@ def closed_form(plant: Array, timestep: float) -> ClosedForm:
 @cache
 def arm_source(timestep: float) -> str:
     """The C source of simulations with a duration of steps [s]."""
-    functions = [
-        c_function(trace(f"prp_{name}", formula, shapes))
-        for name, (formula, shapes) in _formulas(timestep).items()
-    ]
+    functions = [c_function(function) for function in arm_functions(timestep).values()]
     texts = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
     return "\n".join([PREAMBLE, _SIZES, solver_functions(), *functions, *texts])
+
+
+@cache
+def arm_functions(timestep: float) -> Mapping[str, SymbolicFunction]:
+    """The traced formulas of an arm by name, without the prefix `prp_` of their C functions.
+
+    Args:
+        timestep: duration of a step [s].
+    """
+    return {
+        name: trace(f"prp_{name}", formula, shapes) for name, (formula, shapes) in _formulas(timestep).items()
+    }
 
 
 def solver_functions() -> str:

@@ -8,7 +8,9 @@
    Source: MuJoCo documentation, Computation, Constraint model and Solver. */
 
 #define PRP_ROWS 7 /* friction (3), joint stops (3), surface (1) */
-#define PRP_FRICTION 3
+#define PRP_FRICTION_ROW 0
+#define PRP_STOP_ROW 3
+#define PRP_SURFACE_ROW 6
 #define PRP_MOST_STEPS 100
 
 typedef struct {
@@ -16,6 +18,7 @@ typedef struct {
     double jacobian[PRP_ROWS][3], reference[PRP_ROWS], weight[PRP_ROWS];
     double loss[PRP_ROWS]; /* of friction; negative for a constraint with one side */
     double force[PRP_ROWS];
+    int row[PRP_ROWS]; /* PRP_FRICTION_ROW + joint, PRP_STOP_ROW + joint or PRP_SURFACE_ROW */
 } prp_constraints;
 
 static inline double prp_dot3(const double *a, const double *b)
@@ -25,9 +28,10 @@ static inline double prp_dot3(const double *a, const double *b)
 
 /* Add a constraint; `loss` is negative for one with one side. */
 static inline void prp_add(
-    prp_constraints *c, const double *jacobian, double reference, double weight, double loss)
+    prp_constraints *c, int row, const double *jacobian, double reference, double weight, double loss)
 {
     const int n = c->count++;
+    c->row[n] = row;
     for (int j = 0; j < 3; j++)
         c->jacobian[n][j] = jacobian[j];
     c->reference[n] = reference, c->weight[n] = weight, c->loss[n] = loss;
