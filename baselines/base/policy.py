@@ -301,10 +301,14 @@ class StaticBaseline(Baseline[SettingsT]):
         return self.torque(observed), state
 
 
+_JOINT_REFERENCES = JointReferences()
+"""Shared, since it holds nothing: controllers with equal parts are seen to be of equal structure."""
+
+
 def _references(layout: ObservationLayout, model: Model) -> References:
     given: References
     if REFERENCE_FIELDS[0][0] in layout.names or isinstance(model, Link):
-        given = JointReferences()
+        given = _JOINT_REFERENCES
     else:
         given = PoseReferences(model)
     return MovedReferences(given) if set(OFFSET_FIELDS) & set(layout.names) else given

@@ -31,7 +31,7 @@ class CompiledPeriods:
     """
 
     def __init__(self, loop: Any) -> None:
-        self._loop, self._source = loop, PeriodSource(loop)
+        self._loop, self._source = loop, self._make_source(loop)
         self._simulates = isinstance(loop.physics, CompiledSimulation)
         if not (self._simulates or self._source.is_exact):
             raise UntraceableError("formulas whose bits depend on the machine are left to NumPy.")
@@ -61,6 +61,10 @@ class CompiledPeriods:
         if self._simulates:
             self._plan.world = ctypes.addressof(loop.physics.world)
             self._set(loop.physics.arrays)
+
+    def _make_source(self, loop: Any) -> PeriodSource:
+        """The C source of these periods."""
+        return PeriodSource(loop)
 
     def _set(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Give arrays to the compiled code, and keep them."""
@@ -174,11 +178,25 @@ class CompiledPeriods:
         Raises:
             UntraceableError: a controller whose state is too large.
         """
+        loop, plan, periods = self._loop, self._plan, self._loop.config.horizon
+        record = EpisodeRecord.of(loop, periods)
+        self._begin_episodes(controller)
+        self._set({"ground_truth": record.ground_truth, "command": record.command, "info": record.info})
+        self._set({"applied": record.applied, "reward": np.empty(record.info.shape[:2])})
+        self._set({"observation": observation.copy(), "ended": record.ended})
+        plan.record = 1
+        self._run()
+        start = loop.ground_truth[:, None]
+        if (record.ended < 0).any():
+            return None
+        return record._replace(ground_truth=np.concatenate([start, record.ground_truth], axis=1))
+
+    def _begin_episodes(self, controller: Any) -> None:
+        """Give a compiled controller, and what whole episodes need, to the compiled code."""
         loop, plan, parts = self._loop, self._plan, self._parts
         size, periods = controller.initial_state.shape[1], loop.config.horizon
         if size > LARGEST_STATE:
             raise UntraceableError(f"a state of {size} numbers cannot be kept in compiled code.")
-        record = EpisodeRecord.of(loop, periods)
         if self._source.references is None:
             times = loop.window.times_ahead(periods)
             self._set({"sampled": np.ascontiguousarray(loop.task.reference(times))})
@@ -189,12 +207,4 @@ class CompiledPeriods:
             if values is not None:
                 self._set({name: np.ascontiguousarray(values)})
         self._set({"controller_numbers": controller.numbers, "state": controller.initial_state.copy()})
-        self._set({"ground_truth": record.ground_truth, "command": record.command, "info": record.info})
-        self._set({"applied": record.applied, "reward": np.empty(record.info.shape[:2])})
-        self._set({"observation": observation.copy(), "ended": record.ended})
-        plan.controller, plan.state_size, plan.periods, plan.record = controller.function, size, periods, 1
-        self._run()
-        start = loop.ground_truth[:, None]
-        if (record.ended < 0).any():
-            return None
-        return record._replace(ground_truth=np.concatenate([start, record.ground_truth], axis=1))
+        plan.controller, plan.state_size, plan.periods = controller.function, size, periods

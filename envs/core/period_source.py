@@ -114,6 +114,8 @@ class PeriodSource:
         references: rows of the references; None where these are sampled ahead: with MuJoCo's physics, and
             where they cannot be traced.
         is_exact: whether every machine gives the bits of NumPy.
+        actuate: from actions to torques.
+        judge: from the measurement to ground present, observation, reward and `info`.
         text: C source with the functions `prp_command` and `prp_score`, and with `prp_run` if the physics is
             compiled, too.
 
@@ -140,7 +142,8 @@ class PeriodSource:
         self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
         self.numbers = numbers_of(self._parts, CONSTANTS)
         self.references: ReferenceRows | None = None
-        functions = [self._traced_actuators(), self._traced_judge()]
+        self.actuate, self.judge = self._traced_actuators(), self._traced_judge()
+        functions = [self.actuate, self.judge]
         if self._sizes["physics"]:
             functions += self._traced_reference(task)
         self._sizes["reference_numbers"] = self.references.size if self.references else 0

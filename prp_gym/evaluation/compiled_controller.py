@@ -1,7 +1,8 @@
 """`CompiledController`: the formulas of a controller as a compiled function."""
 
 import ctypes
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from prp_gym.robot.link import Link
 from prp_gym.symbolic.array import SymbolicArray, untraceable
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
 from prp_gym.symbolic.compiler import load_library
+from prp_gym.symbolic.function import SymbolicFunction
 from prp_gym.symbolic.graph import Graph, Node
 from prp_gym.symbolic.lifting import numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import attributes, require_same
@@ -34,6 +36,7 @@ class CompiledController:
         numbers: numbers of the controller (P), its gains among them.
         initial_state: state at the start of an episode (N, size).
         function: address of the compiled function.
+        decides_branches: whether numbers on which the formulas branch stay inputs; see `trace_method`.
 
     Raises:
         UntraceableError: a controller that uses more than arithmetic on arrays, or keeps anything but its
@@ -41,6 +44,8 @@ class CompiledController:
         ShapeError: observations of another size.
         CompilerError: no compiler.
     """
+
+    decides_branches: ClassVar[bool] = False
 
     def __init__(self, controller: Any, observation: Array) -> None:
         layout = controller.interface.layout
@@ -50,15 +55,21 @@ class CompiledController:
             raise untraceable("a state without an axis of environments")
         self._shapes = [part.shape[1:] for part in state]
         self._kinds = [part.dtype for part in state]
-        rows = [part.reshape(len(observation), -1).astype(np.float64) for part in state]
-        self.initial_state = np.concatenate([np.zeros((len(observation), 0)), *rows], axis=1)
+        self.initial_state = rows_of(state, len(observation))
         self.numbers = numbers_of(controller, CONSTANTS)
         shapes = {"observation": (1, layout.size), "state": (1, self.initial_state.shape[1]), "input": (1, 0)}
         kind = "act", tuple(self._shapes), tuple(map(str, self._kinds))
-        traced = trace_method(_NAME, self._act, controller, shapes, CONSTANTS, kind)
-        source = f"{PREAMBLE}\n{c_function(traced.function, linkage='')}"
+        traced = trace_method(
+            _NAME, self._act, controller, shapes, CONSTANTS, kind, decide=self.decides_branches
+        )
+        functions = self._functions(traced.function)
+        source = "\n".join([PREAMBLE, *(c_function(each, linkage="") for each in functions)])
         self._library = load_library(source)
-        self.function = ctypes.cast(self._library[_NAME], ctypes.c_void_p)
+        self.function = ctypes.cast(self._library[functions[0].name], ctypes.c_void_p)
+
+    def _functions(self, traced: SymbolicFunction) -> tuple[SymbolicFunction, ...]:
+        """The functions that are compiled, the controller's first."""
+        return (traced,)
 
     def _act(self, controller: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
         """The traced formula."""
@@ -79,6 +90,13 @@ class CompiledController:
         if [part.shape[1:] for part in after] != self._shapes:
             raise untraceable("a state whose shape changes")
         return _refused(action, after) if after else {"action": action, "after": state}
+
+
+def rows_of(state: Sequence[Array], count: int) -> Array:
+    """A state of several observations as rows of numbers (count, size)."""
+    parts = [part.reshape(count, -1).astype(np.float64) for part in state]
+    rows: Array = np.concatenate([np.zeros((count, 0)), *parts], axis=1)
+    return rows
 
 
 def _refused(action: Any, after: Any) -> dict[str, Any]:

@@ -51,6 +51,24 @@ static inline void prp_constrain(
         *push = c.force[last];
 }
 
+/* One time step; returns whether the arm is lost. */
+static inline int prp_substep(
+    const prp_world *world, double *q, double *v, const double *tau, const double *plant, const double *surface)
+{
+    double B[9], b[3], push, later[3], faster[3];
+    int lost = 0;
+    prp_unconstrained(q, v, tau, plant, B, b);
+    prp_constrain(world, q, v, plant, surface, B, b, &push);
+    prp_advanced(q, v, plant, B, b, later, faster);
+    for (int j = 0; j < 3; j++) {
+        if (isfinite(later[j]) && isfinite(faster[j]))
+            q[j] = later[j], v[j] = faster[j];
+        else
+            lost = 1;
+    }
+    return lost;
+}
+
 static inline int prp_inside(const prp_world *world, const double *q, const double *v)
 {
     for (int j = 0; j < 3; j++)
@@ -77,18 +95,9 @@ int prp_advance(
         double *q = position + 3 * row, *v = velocity + 3 * row;
         const double *tau = torque + 3 * row, *plant = plants + PRP_PLANT * row;
         const double *surface = surfaces + PRP_SURFACE * row;
-        double B[9], b[3], push, later[3], faster[3];
-        for (int k = 0; k < world->substeps && !lost[row]; k++) {
-            prp_unconstrained(q, v, tau, plant, B, b);
-            prp_constrain(world, q, v, plant, surface, B, b, &push);
-            prp_advanced(q, v, plant, B, b, later, faster);
-            for (int j = 0; j < 3; j++) {
-                if (isfinite(later[j]) && isfinite(faster[j]))
-                    q[j] = later[j], v[j] = faster[j];
-                else
-                    lost[row] = 1;
-            }
-        }
+        double B[9], b[3], push;
+        for (int k = 0; k < world->substeps && !lost[row]; k++)
+            lost[row] = prp_substep(world, q, v, tau, plant, surface);
         lost[row] |= !prp_inside(world, q, v);
         double *out = measured + width * row;
         prp_measured(q, v, out);

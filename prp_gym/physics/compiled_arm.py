@@ -9,6 +9,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.physics.abstract_simulation import ArmSimulation
 from prp_gym.physics.compiled_arm_source import arm_source
 from prp_gym.physics.compiled_simulation import CompiledSimulation
+from prp_gym.physics.derivatives_source import arm_derivatives_source
 from prp_gym.physics.mjcf import PhysicsSettings
 from prp_gym.physics.model_fields import Ids
 from prp_gym.physics.plants import Plants
@@ -47,6 +48,10 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
         self.world.stops, self.world.surface = self.settings.joint_stops, self.settings.surface
         self._plants, self._surfaces = Plants(num_simulations, self._library), Surfaces(num_simulations)
         self._begin(self._plants.rows, self._surfaces.rows)
+
+    def reverse_source(self) -> str:
+        """See `CompiledSimulation.reverse_source`."""
+        return arm_derivatives_source(self.timestep)
 
     @property
     def timestep(self) -> float:

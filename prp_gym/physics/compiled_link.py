@@ -16,10 +16,12 @@ from prp_gym.physics.scene import check_timestep
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
-from prp_gym.symbolic.function import trace
+from prp_gym.symbolic.derivatives import transposed
+from prp_gym.symbolic.function import SymbolicFunction, trace
 
 _PLANTS = "plants"
 _HAND_WRITTEN = ("compiled_world.h", "compiled_link.c")
+_REVERSE = "compiled_link_reverse.c"
 
 
 def link_step(q: Array, velocity: Array, torque: Array, plant: Array, timestep: float) -> tuple[Array, Array]:
@@ -43,14 +45,30 @@ def link_step(q: Array, velocity: Array, torque: Array, plant: Array, timestep: 
 @cache
 def link_source(timestep: float) -> str:
     """The C source of simulations with a duration of steps [s]."""
+    loop = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
+    return "\n".join([PREAMBLE, c_function(_traced_step(timestep)), *loop])
 
+
+@cache
+def link_derivatives_source(timestep: float) -> str:
+    """The C source of the derivatives of a step, to stand after `link_source(timestep)`.
+
+    Args:
+        timestep: duration of a step [s].
+    """
+    wanted = ("q", "velocity", "torque")
+    reverse = c_function(transposed(_traced_step(timestep), "prp_link_step_transposed", wanted))
+    return "\n".join([reverse, Path(__file__).with_name(_REVERSE).read_text(encoding="utf-8")])
+
+
+@cache
+def _traced_step(timestep: float) -> SymbolicFunction:
     def step(q: Any, velocity: Any, torque: Any, plant: Any) -> Mapping[str, Any]:
         later, faster = link_step(q, velocity, torque, plant, timestep)
         return {"later": later, "faster": faster}
 
     shapes = {"q": (1,), "velocity": (1,), "torque": (1,), "plant": (3,)}
-    loop = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
-    return "\n".join([PREAMBLE, c_function(trace("prp_link_step", step, shapes)), *loop])
+    return trace("prp_link_step", step, shapes)
 
 
 class CompiledLink(CompiledSimulation, LinkSimulation):
@@ -74,6 +92,10 @@ class CompiledLink(CompiledSimulation, LinkSimulation):
         nominal = NOMINAL_LINK.inertia, NOMINAL_LINK.viscous_friction, NOMINAL_LINK.gravity_moment
         self._plants = np.tile(np.array(nominal), (num_simulations, 1))
         self._begin(self._plants, np.zeros((num_simulations, 1)))
+
+    def reverse_source(self) -> str:
+        """See `CompiledSimulation.reverse_source`."""
+        return link_derivatives_source(self.timestep)
 
     @property
     def timestep(self) -> float:

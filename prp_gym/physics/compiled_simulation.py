@@ -128,6 +128,10 @@ class CompiledSimulation(Simulation):
         """Restore what `_fields` returned."""
 
     @abstractmethod
+    def reverse_source(self) -> str:
+        """C source of `prp_step_reverse` and `prp_measured_reverse`, to stand after `source`."""
+
+    @abstractmethod
     def in_mujoco(self, simulation: int) -> Simulation:
         """One simulation in MuJoCo, in the same state."""
 

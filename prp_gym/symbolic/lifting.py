@@ -64,6 +64,8 @@ class LiftedFunction:
         """Whether the function is that of other objects of the same structure, with these numbers (P)."""
         if any(float(numbers[position]).hex() != value.hex() for position, value in self.fixed.items()):
             return False
+        if not self.decisions:
+            return True
         known = _known_numbers(self.function.inputs[_NUMBERS], numbers)
         return all(value_of(node, known) == outcome for node, outcome in self.decisions.items())
 

@@ -1,0 +1,40 @@
+"""`ReversibleController`: a controller as a compiled function, and the reverse of that function."""
+
+import ctypes
+from typing import Any, ClassVar
+
+from prp_gym.evaluation.compiled_controller import CompiledController
+from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.derivatives import transposed, unrounded
+from prp_gym.symbolic.function import SymbolicFunction
+
+_SMOOTH, _REVERSE = "prp_controller_smooth", "prp_controller_reverse"
+
+
+class ReversibleController(CompiledController):
+    """A controller as a compiled function without rounding of its actions, and its reverse.
+
+    Args:
+        controller: controller with the methods `initial_state` and `act` of a baseline.
+        observation: first observations (N, size).
+
+    Attributes:
+        reverse: address of the reverse of the function.
+        first_observation: first observations (N, size).
+
+    Raises:
+        UntraceableError: a controller that uses more than arithmetic on arrays, or keeps anything but its
+            state.
+        CompilerError: no compiler.
+    """
+
+    decides_branches: ClassVar[bool] = True
+
+    def __init__(self, controller: Any, observation: Array) -> None:
+        super().__init__(controller, observation)
+        self.first_observation = observation
+        self.reverse = ctypes.cast(self._library[_REVERSE], ctypes.c_void_p)
+
+    def _functions(self, traced: SymbolicFunction) -> tuple[SymbolicFunction, ...]:
+        smooth = unrounded(traced, _SMOOTH)
+        return smooth, transposed(smooth, _REVERSE, ("observation", "state", "numbers"))
