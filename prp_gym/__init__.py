@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from prp_gym.envs.action_mode import ActionModeSpec, register_action_mode
     from prp_gym.evaluation.evaluate import evaluate
     from prp_gym.evaluation.metrics import register_metric
+    from prp_gym.gradients.score_gradient import score_gradient
     from prp_gym.plugins import load_plugins
 
 __version__ = "0.1.0"
@@ -53,6 +54,7 @@ __all__ = [
     "register_controller",
     "register_metric",
     "register_task",
+    "score_gradient",
 ]
 
 _IMPORTED_ON_USE = {
@@ -70,6 +72,7 @@ _IMPORTED_ON_USE = {
     "register_metric": "prp_gym.evaluation.metrics",
     "register_action_mode": "prp_gym.envs.action_mode",
     "register_controller": "prp_gym.baselines.base.spec",
+    "score_gradient": "prp_gym.gradients.score_gradient",
 }
 
 register_environments()

@@ -19,7 +19,7 @@ class ErrorIntegral(ABC):
             gain: K_I (axes) [1/s^3].
             period: control period [s].
         """
-        return RunningIntegral(gain, period) if np.count_nonzero(gain) else NoIntegral()
+        return RunningIntegral(gain, period) if np.count_nonzero(gain) else _NO_INTEGRAL
 
     @abstractmethod
     def begin(self, error_shape: tuple[int, ...]) -> ControllerState:
@@ -53,6 +53,10 @@ class NoIntegral(ErrorIntegral):
     ) -> tuple[Array, ControllerState]:
         """The acceleration as it is."""
         return acceleration, state
+
+
+_NO_INTEGRAL = NoIntegral()
+"""Shared, since it holds nothing."""
 
 
 class RunningIntegral(ErrorIntegral):

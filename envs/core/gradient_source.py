@@ -1,6 +1,7 @@
 """The C source of whole episodes and the derivatives of their scores."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -44,9 +45,12 @@ class GradientSource(PeriodSource):
         return "\n".join([text, _GRADIENT, *map(c_function, reverse), hand_written])
 
 
+@lru_cache(maxsize=64)
 def _reversed(
-    function: SymbolicFunction, results: Sequence[str], wanted: Sequence[str]
+    function: SymbolicFunction, results: tuple[str, ...], wanted: tuple[str, ...]
 ) -> SymbolicFunction:
     """The reverse of a function, for some of its results."""
-    part = SymbolicFunction(function.name, function.inputs, {name: function.outputs[name] for name in results})
+    part = SymbolicFunction(
+        function.name, function.inputs, {name: function.outputs[name] for name in results}
+    )
     return transposed(part, f"{function.name}_reverse", wanted)

@@ -15,7 +15,7 @@ from prp_gym.symbolic.c_source import PREAMBLE, c_function
 from prp_gym.symbolic.compiler import load_library
 from prp_gym.symbolic.function import SymbolicFunction
 from prp_gym.symbolic.graph import Graph, Node
-from prp_gym.symbolic.lifting import numbers_of, trace_method
+from prp_gym.symbolic.lifting import LiftedFunction, numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import attributes, require_same
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -62,14 +62,14 @@ class CompiledController:
         traced = trace_method(
             _NAME, self._act, controller, shapes, CONSTANTS, kind, decide=self.decides_branches
         )
-        functions = self._functions(traced.function)
+        functions = self._functions(traced)
         source = "\n".join([PREAMBLE, *(c_function(each, linkage="") for each in functions)])
         self._library = load_library(source)
         self.function = ctypes.cast(self._library[functions[0].name], ctypes.c_void_p)
 
-    def _functions(self, traced: SymbolicFunction) -> tuple[SymbolicFunction, ...]:
+    def _functions(self, traced: LiftedFunction) -> tuple[SymbolicFunction, ...]:
         """The functions that are compiled, the controller's first."""
-        return (traced,)
+        return (traced.function,)
 
     def _act(self, controller: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
         """The traced formula."""

@@ -3,10 +3,12 @@
 import ctypes
 from typing import Any, ClassVar
 
+from prp_gym.errors import UntraceableError
 from prp_gym.evaluation.compiled_controller import CompiledController
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.derivatives import transposed, unrounded
 from prp_gym.symbolic.function import SymbolicFunction
+from prp_gym.symbolic.lifting import LiftedFunction
 
 _SMOOTH, _REVERSE = "prp_controller_smooth", "prp_controller_reverse"
 
@@ -23,8 +25,8 @@ class ReversibleController(CompiledController):
         first_observation: first observations (N, size).
 
     Raises:
-        UntraceableError: a controller that uses more than arithmetic on arrays, or keeps anything but its
-            state.
+        UntraceableError: a controller that uses more than arithmetic on arrays, keeps anything but its
+            state, or converts a number that it keeps to a Python number.
         CompilerError: no compiler.
     """
 
@@ -35,6 +37,9 @@ class ReversibleController(CompiledController):
         self.first_observation = observation
         self.reverse = ctypes.cast(self._library[_REVERSE], ctypes.c_void_p)
 
-    def _functions(self, traced: SymbolicFunction) -> tuple[SymbolicFunction, ...]:
-        smooth = unrounded(traced, _SMOOTH)
+    def _functions(self, traced: LiftedFunction) -> tuple[SymbolicFunction, ...]:
+        if traced.fixed:
+            lost = "converts a number that it keeps to a Python number, which has no derivative"
+            raise UntraceableError(f"the controller {lost}.")
+        smooth = unrounded(traced.function, _SMOOTH)
         return smooth, transposed(smooth, _REVERSE, ("observation", "state", "numbers"))

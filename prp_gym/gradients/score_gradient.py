@@ -92,7 +92,9 @@ def _differentiated(
 ) -> tuple[EpisodeGradients, ReversibleController]:
     """The episodes of some seeds with their derivatives, and the controller in compiled code."""
     if inner.action_mode != TORQUE:
-        raise InvalidValueError("action_mode", inner.action_mode, f"{TORQUE!r}, for a controller's derivatives")
+        raise InvalidValueError(
+            "action_mode", inner.action_mode, f"{TORQUE!r}, for a controller's derivatives"
+        )
     if not getattr(type(controller), "compiled", False):
         raise UntraceableError(f"{type(controller).__name__} computes its actions in its own predict method.")
     loop = make_loop(inner.make_task, replace(inner.config, engine=COMPILED), len(seeds), num_threads=0)

@@ -29,8 +29,9 @@ def by_settings(controller: Any, read: Read) -> dict[str, Array]:
         read: reads numbers (K) from a controller with other settings.
 
     Returns:
-        by the name of each setting, (components, K), where a single number has one component. A setting that
-        can be moved in neither direction, such as one that switches a part of the controller off, is left out.
+        by the name of each setting, (components, K), where a single number has one component. A setting
+        that can be moved in neither direction, such as one that switches a part of the controller off, is
+        left out.
     """
     settings = controller.settings
     found = {}

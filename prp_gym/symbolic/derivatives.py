@@ -1,6 +1,7 @@
 """Exact derivatives of symbolic functions, by reverse accumulation over the expression graph."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
@@ -48,7 +49,8 @@ def jacobian(outputs: SymbolicArray, inputs: SymbolicArray) -> SymbolicArray:
     return SymbolicArray(graph, nodes)
 
 
-def transposed(function: SymbolicFunction, name: str, wanted: Iterable[str]) -> SymbolicFunction:
+@lru_cache(maxsize=64)
+def transposed(function: SymbolicFunction, name: str, wanted: tuple[str, ...]) -> SymbolicFunction:
     """The transposed Jacobian of a function times a vector: one step of reverse accumulation.
 
     Args:
@@ -78,6 +80,7 @@ def transposed(function: SymbolicFunction, name: str, wanted: Iterable[str]) -> 
     return SymbolicFunction(name, {**function.inputs, **weights}, results)
 
 
+@lru_cache(maxsize=64)
 def unrounded(function: SymbolicFunction, name: str) -> SymbolicFunction:
     """A function without its rounding to single precision, and so one that is as smooth as its formula.
 
