@@ -53,9 +53,9 @@ def score_gradient(env: gymnasium.Env[Any, Any], controller: Any, seeds: Sequenc
 
     Whole episodes are simulated with the compiled engine and differentiated by reverse accumulation: through
     the reward, sensors, joint stops, Coulomb friction, contact, actuators and the controller with its state.
-    Where a formula has a switch (a limit, a first touch), the derivative is that of the branch that was taken;
-    the score as a function of the settings may jump there, of which no derivative tells. Actions are not
-    rounded to single precision, which moves scores by about 1e-7.
+    Where a formula has a switch (a limit, a first touch), the derivative is that of the branch that was
+    taken; the score as a function of the settings may jump there, of which no derivative tells. Actions are
+    not rounded to single precision, which moves scores by about 1e-7.
 
     Args:
         env: environment of this suite with joint torques as actions, wrapped or not, of either engine.

@@ -9,7 +9,7 @@ import pytest
 from prp_gym.robot import PRPArm
 from prp_gym.robot.arrays import norm, solve_symmetric
 from prp_gym.symbolic.array import SymbolicArray, elementwise
-from prp_gym.symbolic.derivatives import adjoints, jacobian, transposed
+from prp_gym.symbolic.derivatives import adjoints, jacobian, transposed, unrounded
 from prp_gym.symbolic.function import SymbolicFunction, trace
 from prp_gym.symbolic.operations import OPERATIONS, SINGLE, Operation
 from tests.symbolic.compilation import Array, arity, compile_together
@@ -198,7 +198,7 @@ def dynamics(q: Any, velocity: Any, torque: Any) -> dict[str, Any]:
 def test_transposed_function_is_the_transposed_jacobian_times_the_weights() -> None:
     shapes = {"q": (3,), "velocity": (3,), "torque": (3,)}
     function = trace("dynamics", dynamics, shapes)
-    backward = transposed(function, "backward", ["q", "torque"])
+    backward = transposed(function, "backward", ("q", "torque"))
     assert set(backward.outputs) == {"d_q", "d_torque"}
     assert set(backward.inputs) == {*shapes, "d_acceleration", "d_pose", "d_again"}
     compiled = compile_together([function, backward])["backward"]
@@ -227,6 +227,20 @@ def slope_of_the_weighted_sum(function: SymbolicFunction, values: dict[str, Arra
 
 def test_transposed_function_without_effect_is_zero() -> None:
     function = trace("constant", lambda x: {"y": x * 0.0 + 2.0}, {"x": (2,)})
-    backward = transposed(function, "backward", ["x"])
+    backward = transposed(function, "backward", ("x",))
     found = backward.evaluate({"x": np.ones(2), "d_y": np.ones(2)})
     np.testing.assert_array_equal(found["d_x"], np.zeros(2))
+
+
+def test_a_function_without_its_rounding_is_the_formula_of_doubles() -> None:
+    def formula(x: Any, other: Any) -> dict[str, Any]:
+        return {"y": np.where(x > 0.0, (x / 3.0).astype(np.float32), 1.0), "unused": x[:1]}
+
+    rounded = trace("rounded", formula, {"x": (2,), "other": (1,)})
+    smooth = unrounded(rounded, "smooth")
+    values = {"x": np.array([0.1, -0.1]), "other": np.zeros(1)}
+    assert rounded.evaluate(values)["y"].tolist() == [float(np.float32(0.1 / 3.0)), 1.0]
+    assert smooth.evaluate(values)["y"].tolist() == [0.1 / 3.0, 1.0]
+    assert smooth.inputs.keys() == rounded.inputs.keys()
+    assert smooth.name == "smooth"
+    assert not any(node.operation is SINGLE for node in smooth.nodes())

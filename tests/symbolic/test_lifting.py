@@ -228,3 +228,32 @@ def test_formulas_that_fail_on_symbolic_arrays_are_refused(name: str) -> None:
     formula, message = FAILING[name]
     with pytest.raises(UntraceableError, match=message):
         traced(formula, Holder(gain=2.0))
+
+
+def decided(formula: Callable[[Any, Any], Any], target: Any) -> LiftedFunction:
+    """A formula whose branches on numbers are decided by these."""
+
+    def results(parts: Any, x: Any) -> dict[str, Any]:
+        return {"y": formula(parts, x)}
+
+    return trace_method("formula", results, target, {"x": X.shape}, kind="kind", decide=True)
+
+
+def test_a_branch_on_numbers_may_be_decided_by_them_and_leaves_them_inputs() -> None:
+    def formula(target: Any, x: Any) -> Any:
+        return target.limit * x if target.limit > target.gain else target.gain + x
+
+    high, higher, low = (Holder(gain=1.0, limit=limit) for limit in (2.0, 3.0, 0.5))
+    lifted = decided(formula, high)
+    assert lifted.fixed == {}
+    np.testing.assert_array_equal(result(lifted, high), 2.0 * X)
+    assert decided(formula, higher) is lifted  # on the same side of the branch
+    np.testing.assert_array_equal(result(lifted, higher), 3.0 * X)
+    assert not lifted.serves(numbers_of(low))
+    np.testing.assert_array_equal(result(decided(formula, low), low), 1.0 + X)
+    assert traced(formula, high).fixed == {0: 1.0, 1: 2.0}  # unless asked for
+
+
+def test_a_branch_on_the_arguments_is_decided_by_nothing() -> None:
+    with pytest.raises(DataDependentBranchError):
+        decided(lambda target, x: x if x[0] > target.gain else -x, Holder(gain=1.0))
