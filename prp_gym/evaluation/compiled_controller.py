@@ -1,7 +1,8 @@
 """`CompiledController`: the formulas of a controller as a compiled function."""
 
 import ctypes
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -79,6 +80,31 @@ class CompiledController:
         if [part.shape[1:] for part in after] != self._shapes:
             raise untraceable("a state whose shape changes")
         return _refused(action, after) if after else {"action": action, "after": state}
+
+
+class CompiledControllers(NamedTuple):
+    """Controllers of one compiled function, each with its gains, in the rows of N environments.
+
+    Attributes:
+        function: address of the compiled function.
+        numbers: numbers of the controller of each environment (N, P).
+        initial_state: states at the start of the episodes (N, size).
+    """
+
+    function: ctypes.c_void_p
+    numbers: Array
+    initial_state: Array
+
+    @classmethod
+    def of(cls, controllers: Sequence[CompiledController]) -> Self:
+        """Controllers one after the other, each in as many environments as it has observed.
+
+        Args:
+            controllers: controllers with the same `function`, at least one.
+        """
+        rows = [np.tile(own.numbers, (len(own.initial_state), 1)) for own in controllers]
+        states = [own.initial_state for own in controllers]
+        return cls(controllers[0].function, np.concatenate(rows), np.concatenate(states))
 
 
 def _refused(action: Any, after: Any) -> dict[str, Any]:
