@@ -79,8 +79,13 @@ def evaluate_command(
     terminal = Terminal.of(quiet, as_json, form)
     with terminal.progress("trying out the controllers"):
         listed = list_jobs(
-            *(selected.conditions, selected.choices, selected.controllers),
-            *(control_frequency, episodes, seed, engine),
+            selected.conditions,
+            selected.choices,
+            selected.controllers,
+            control_frequency,
+            episodes,
+            seed,
+            engine,
         )
     selected.check_used(listed)
     floors = list_floors(selected.conditions, control_frequency, episodes, seed, engine=engine)

@@ -38,10 +38,8 @@ def list_comparison_jobs(
     """
     jobs: list[ComparisonJob] = []
     for environment_id, scenario in selected.conditions:
-        own = list_jobs(
-            *([(environment_id, scenario)], selected.choices, selected.controllers),
-            *(FREQUENCY, episodes, seed, engine),
-        )
+        where, choices = [(environment_id, scenario)], selected.choices
+        own = list_jobs(where, choices, selected.controllers, FREQUENCY, episodes, seed, engine)
         jobs += [
             ControllerJob(**vars(job), searched=find_search(environment_id, job.controller)) for job in own
         ]
@@ -52,6 +50,6 @@ def list_comparison_jobs(
             for item in agents
             if item.environment_id == environment_id
         ]
-        floors = list_floors([(environment_id, scenario)], FREQUENCY, episodes, seed, engine=engine)
+        floors = list_floors(where, FREQUENCY, episodes, seed, engine=engine)
         jobs += [ComparedFloorJob(**vars(job)) for job in floors]
     return jobs

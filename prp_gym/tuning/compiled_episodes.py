@@ -2,12 +2,12 @@
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium.utils import seeding
+from numpy.typing import NDArray
 
-from prp_gym.envs.core.episode_record import EpisodeTotals
 from prp_gym.errors import UntraceableError
 from prp_gym.evaluation.compiled_batch import runs_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController, CompiledControllers
@@ -15,6 +15,18 @@ from prp_gym.evaluation.rollout import Policy
 from prp_gym.robot.arrays import Array
 
 MakeLoop = Callable[[int], Any]
+
+
+class CompiledTotals(NamedTuple):
+    """What the episodes of a candidate have given.
+
+    Attributes:
+        reward: sum of the rewards (episodes), up to the end of the episode [1].
+        ended: control period (episodes), counted from 1, in which an episode diverged; 0 for none.
+    """
+
+    reward: Array
+    ended: NDArray[np.intp]
 
 
 def begin_episodes(make_loop: MakeLoop, seeds: Sequence[int], repetitions: int) -> tuple[Any, Array]:
@@ -36,7 +48,7 @@ def begin_episodes(make_loop: MakeLoop, seeds: Sequence[int], repetitions: int) 
 
 def run_compiled(
     policies: Sequence[Policy], inner: Any, make_loop: MakeLoop, seeds: Sequence[int]
-) -> dict[int, EpisodeTotals]:
+) -> dict[int, CompiledTotals]:
     """Whole episodes of those policies that compiled code can run.
 
     The gains of a controller are inputs of its compiled function: candidates that differ by their gains alone
@@ -58,7 +70,7 @@ def run_compiled(
         return {}
     _, observation = begin_episodes(make_loop, seeds, 1)
     groups: dict[int, dict[int, CompiledController]] = {}
-    found: dict[int, EpisodeTotals] = {}
+    found: dict[int, CompiledTotals] = {}
     for index in fitting:
         try:
             controller = CompiledController(policies[index], observation)
@@ -78,7 +90,7 @@ def _address(function: ctypes.c_void_p) -> int:
 
 def _run_group(
     controllers: Sequence[CompiledController], make_loop: MakeLoop, seeds: Sequence[int]
-) -> list[EpisodeTotals]:
+) -> list[CompiledTotals]:
     """What the episodes of each controller have given; empty where compiled code cannot run them."""
     loop, observation = begin_episodes(make_loop, seeds, len(controllers))
     try:
@@ -88,4 +100,4 @@ def _run_group(
     if totals is None:
         return []
     parts = [np.split(values, len(controllers)) for values in totals]
-    return [EpisodeTotals(*own) for own in zip(*parts, strict=True)]
+    return [CompiledTotals(*own) for own in zip(*parts, strict=True)]

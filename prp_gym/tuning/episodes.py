@@ -8,11 +8,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.envs.core.episode_record import EpisodeTotals
 from prp_gym.evaluation.policy_output import check_output, takes_batches
 from prp_gym.evaluation.rollout import Policy, check_environment
 from prp_gym.robot.arrays import Array
-from prp_gym.tuning.compiled_episodes import begin_episodes, run_compiled
+from prp_gym.tuning.compiled_episodes import CompiledTotals, begin_episodes, run_compiled
 
 
 class EpisodeScores(NamedTuple):
@@ -78,7 +77,7 @@ class Episodes:
             for index in range(len(policies))
         ]
 
-    def _totalled(self, totals: EpisodeTotals) -> EpisodeScores:
+    def _totalled(self, totals: CompiledTotals) -> EpisodeScores:
         """The scores of episodes that compiled code has run, each to its end or its divergence."""
         steps = np.where(totals.ended > 0, totals.ended, self._horizon)
         return EpisodeScores(totals.reward / self._horizon, int(steps.sum()))
