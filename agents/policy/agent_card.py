@@ -226,6 +226,11 @@ class AgentCard:
         return float(frequency)
 
     @property
+    def engine(self) -> str:
+        """Name of the engine that simulated the training; MuJoCo of a card that names none."""
+        return str(self.interface.all_keywords.get("engine", EnvConfig.engine))
+
+    @property
     def steps(self) -> int:
         """Number of steps of the whole training, including those after the network was stored."""
         return self.run.curve[-1].steps if self.run.curve else self.run.steps

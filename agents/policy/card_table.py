@@ -24,6 +24,7 @@ def _facts(card: AgentCard) -> Iterator[tuple[str, str]]:
     yield "algorithm", card.algorithm
     yield "action mode", card.action_mode
     yield "control frequency", f"{card.control_frequency:g} Hz"
+    yield "engine of the training", card.engine
     yield "training seed", f"{card.seed}"
     yield "training", f"{card.steps} steps, {card.run.seconds / 60.0:.1f} minutes"
     yield "network", " - ".join(map(str, _layers(card)))

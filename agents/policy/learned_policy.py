@@ -16,6 +16,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.evaluation.policy_state import PolicyState, state_to_begin_with
 from prp_gym.tables import ResultTable
 from prp_gym.tables.data_frame import make_frame
+from prp_gym.tasks.setup import MUJOCO
 
 if TYPE_CHECKING:
     from prp_gym.figures.notebook_figure import NotebookFigure
@@ -93,7 +94,7 @@ class LearnedPolicy:
         return dict(self.card.interface.keywords)
 
     def make_env(self, **overrides: Any) -> gymnasium.Env[Any, Any]:
-        """Make the environment in which the agent was trained.
+        """Make the environment in which the agent was trained, simulated by MuJoCo unless said otherwise.
 
         Args:
             overrides: keywords that replace those of training, such as `scenario` or `render_mode`.
@@ -103,7 +104,7 @@ class LearnedPolicy:
                 the agent cannot act.
         """
         env: gymnasium.Env[Any, Any] = gymnasium.make(
-            self.card.environment_id, **{**self.environment_keywords, **overrides}
+            self.card.environment_id, **{**self.environment_keywords, "engine": MUJOCO, **overrides}
         )
         try:
             self.check_env(env)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from prp_gym.files.limits import DEPTH
 from prp_gym.files.yaml_text import parse_yaml
 from prp_gym.tasks.presets import find_preset, learning_id
 from prp_gym.tasks.registration import list_envs
+from prp_gym.tasks.setup import MUJOCO
 
 _COMMON = frozenset(("n_timesteps", "n_envs", "policy", "policy_kwargs", "normalize", "env_kwargs"))
 _MODES = "action_modes"
@@ -73,6 +74,19 @@ class Recipe:
     def name(self) -> str:
         """Name of the group of agents that this recipe trains, usable as the name of a folder."""
         return f"{self.algorithm}_{self.action_mode.replace(':', '-')}"
+
+    def with_engine(self, engine: str) -> "Recipe":
+        """The recipe with an engine of the environment; MuJoCo, which is the default, is not written down.
+
+        Args:
+            engine: name of the engine.
+
+        Raises:
+            UnknownNameError: an engine that does not exist.
+        """
+        others = {name: value for name, value in self.env_kwargs.items() if name != "engine"}
+        chosen = {} if engine == MUJOCO else {"engine": engine}
+        return replace(self, env_kwargs={**others, **chosen})
 
     def to_plain(self) -> dict[str, Any]:
         """The recipe as an entry of a file, with the algorithm and the environment beside it."""

@@ -103,6 +103,8 @@ int prp_run(long first, long count, const prp_plan *plan)
                 row, 1, NULL, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
                 plan->measured, plan->beyond, plan->lost);
             prp_after(plan, row, at, to);
+            if (plan->total)
+                plan->total[row] += plan->reward[to];
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.core.argument_checks import clip_actions
-from prp_gym.envs.core.episode_record import EpisodeRecord
+from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_source import LARGEST_STATE, PeriodSource, Plan
 from prp_gym.envs.core.step import Step
@@ -178,22 +178,43 @@ class CompiledPeriods:
         Raises:
             UntraceableError: a controller whose state is too large.
         """
-        loop, plan, periods = self._loop, self._plan, self._loop.config.horizon
-        record = EpisodeRecord.of(loop, periods)
-        self._begin_episodes(controller)
+        loop = self._loop
+        record = EpisodeRecord.of(loop, loop.config.horizon)
+        self._give_controller(controller, observation)
         self._set({"ground_truth": record.ground_truth, "command": record.command, "info": record.info})
         self._set({"applied": record.applied, "reward": np.empty(record.info.shape[:2])})
-        self._set({"observation": observation.copy(), "ended": record.ended})
-        plan.record = 1
+        self._set({"ended": record.ended})
+        self._plan.record = 1
         self._run()
         start = loop.ground_truth[:, None]
         if (record.ended < 0).any():
             return None
         return record._replace(ground_truth=np.concatenate([start, record.ground_truth], axis=1))
 
-    def _begin_episodes(self, controller: Any) -> None:
-        """Give a compiled controller, and what whole episodes need, to the compiled code."""
-        loop, plan, parts = self._loop, self._plan, self._parts
+    def score_episodes(self, controller: Any, observation: Array) -> EpisodeTotals:
+        """Run whole episodes with compiled controllers, without a record; then all have to be reset.
+
+        Args:
+            controller: `CompiledController`, or `CompiledControllers` with numbers for each environment.
+            observation: Observations (N, size) after the reset of all environments.
+
+        Returns:
+            What the episodes have given.
+
+        Raises:
+            UntraceableError: a controller whose state is too large.
+        """
+        rows = self._loop.num_envs
+        totals = EpisodeTotals(np.zeros(rows), np.zeros(rows, dtype=np.intp))
+        self._give_controller(controller, observation)
+        self._set({"total": totals.reward, "ended": totals.ended})
+        self._run()
+        self._plan.controller, self._plan.periods, self._plan.total = None, 1, None
+        return totals
+
+    def _give_controller(self, controller: Any, observation: Array) -> None:
+        """Let a controller act in whole episodes, all of whose random numbers and references are given."""
+        loop, plan, parts, numbers = self._loop, self._plan, self._parts, controller.numbers
         size, periods = controller.initial_state.shape[1], loop.config.horizon
         if size > LARGEST_STATE:
             raise UntraceableError(f"a state of {size} numbers cannot be kept in compiled code.")
@@ -206,5 +227,7 @@ class CompiledPeriods:
         ):
             if values is not None:
                 self._set({name: np.ascontiguousarray(values)})
-        self._set({"controller_numbers": controller.numbers, "state": controller.initial_state.copy()})
+        self._set({"controller_numbers": numbers, "state": controller.initial_state.copy()})
+        self._set({"observation": observation.copy()})
         plan.controller, plan.state_size, plan.periods = controller.function, size, periods
+        plan.numbers_size = numbers.shape[1] if numbers.ndim == 2 else 0

@@ -16,7 +16,7 @@ from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
 from prp_gym.envs.core.argument_checks import check_ids, limit_actions
 from prp_gym.envs.core.compiled_run import CompiledPeriods
-from prp_gym.envs.core.episode_record import EpisodeRecord
+from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.reference_window import ReferenceWindow
@@ -310,6 +310,18 @@ class EpisodeLoop:
             observation: Observations (N, size).
         """
         return None if self._compiled is None else self._compiled.run_episodes(controller, observation)
+
+    def score_episodes(self, controller: Any, observation: Array) -> EpisodeTotals | None:
+        """Run whole episodes with compiled controllers; see `CompiledPeriods.score_episodes`.
+
+        Args:
+            controller: `CompiledController` or `CompiledControllers`.
+            observation: Observations (N, size).
+
+        Returns:
+            What they have given; None where the task's formulas are not in compiled code.
+        """
+        return None if self._compiled is None else self._compiled.score_episodes(controller, observation)
 
     @property
     def action_size(self) -> int:

@@ -35,7 +35,7 @@ _ARRAYS = (
     *("task_numbers", "reference_numbers", "controller_numbers", "input"),
     *("noise", "error", "sampled", "reference"),
     *("clock", "memory", "state", "action", "saturated", "observation"),
-    *("ground_truth", "command", "applied", "info", "reward"),
+    *("ground_truth", "command", "applied", "info", "reward", "total"),
 )
 _COUNTS = ("rows", "periods", "record", "state_size", "input_size", "numbers_size")
 _HAND_WRITTEN = Path(__file__).with_name("compiled_period.c")
@@ -70,11 +70,12 @@ class Plan(ctypes.Structure):
         action: actions.
         saturated: whether an action is at a limit of its actuator, 0 or 1.
         observation: observations.
-        ground_truth: recorded ground present, of every period in the rows of an environment.
+        ground_truth: recorded ground truth, of every period in the rows of an environment.
         command: recorded torque command.
         applied: recorded applied torques.
         info: recorded `info`.
         reward: recorded reward.
+        total: sum of each environment's rewards, to which every period adds its own; null for none.
     """
 
     _fields_: ClassVar = [

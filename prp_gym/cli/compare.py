@@ -7,6 +7,7 @@ from prp_gym.cli.options import (
     AgentPaths,
     Backend,
     ControllerNames,
+    Engine,
     Environments,
     Episodes,
     FigureFormat,
@@ -48,6 +49,7 @@ from prp_gym.runs.selection import Selection
 from prp_gym.runs.workers import Workers
 from prp_gym.tables import ResultTable
 from prp_gym.tables.formats import TERMINAL
+from prp_gym.tasks.setup import MUJOCO
 
 _DEFAULT_SCENARIOS = ["randomized", "realistic"]
 
@@ -61,6 +63,7 @@ def compare_command(
     seed: Seed = 0,
     gains: Gains = TUNED,
     settings: Settings = None,
+    engine: Engine = MUJOCO,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -84,7 +87,7 @@ def compare_command(
     agents = find_agents(selected.environment_ids, agent or [])
     terminal = Terminal.of(quiet, as_json, form)
     with terminal.progress("trying out the controllers"):
-        listed = list_comparison_jobs(selected, agents, episodes, seed)
+        listed = list_comparison_jobs(selected, agents, episodes, seed, engine)
     selected.check_used(listed)
     folder = ResultFolder.choose("compare", output, name, describe_jobs(listed), goes_on=resume)
     run = Run(folder.path, workers, selected.controllers, not resume, terminal)

@@ -41,6 +41,13 @@ def agents(incomplete: str) -> list[str]:
     return _starting(list_agents(), incomplete)
 
 
+def engines(incomplete: str) -> list[str]:
+    """Names of the engines that start with a text."""
+    from prp_gym.tasks.setup import ENGINES
+
+    return _starting(ENGINES, incomplete)
+
+
 def action_modes(incomplete: str) -> list[str]:
     """Names of the action modes that start with a text."""
     from prp_gym.action_modes import ACTION_MODES

@@ -7,6 +7,7 @@ from prp_gym.cli.options import (
     Backend,
     ControlFrequency,
     ControllerNames,
+    Engine,
     Environments,
     Episodes,
     Gains,
@@ -24,6 +25,7 @@ from prp_gym.cli.options import (
 )
 from prp_gym.console.terminal import Terminal
 from prp_gym.evaluation.evaluate import check_protocol
+from prp_gym.evaluation.rollout import condition_name
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.table import SCORE_NOTE, Row, best_floor, evaluation_table, ranked, score_table
 from prp_gym.runs.choice import TUNED, GainsChoice
@@ -37,6 +39,7 @@ from prp_gym.runs.workers import Workers
 from prp_gym.tables import ABSENT, Cell, ResultTable
 from prp_gym.tables.formats import TERMINAL
 from prp_gym.tables.matrix import matrix_table
+from prp_gym.tasks.setup import MUJOCO
 
 Conditions = list[tuple[str, str, list[Row]]]
 """Environment, scenario and rows of each condition."""
@@ -53,6 +56,7 @@ def evaluate_command(
     gains: Gains = TUNED,
     settings: Settings = None,
     control_frequency: ControlFrequency = 500.0,
+    engine: Engine = MUJOCO,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -75,10 +79,16 @@ def evaluate_command(
     terminal = Terminal.of(quiet, as_json, form)
     with terminal.progress("trying out the controllers"):
         listed = list_jobs(
-            selected.conditions, selected.choices, selected.controllers, control_frequency, episodes, seed
+            selected.conditions,
+            selected.choices,
+            selected.controllers,
+            control_frequency,
+            episodes,
+            seed,
+            engine,
         )
     selected.check_used(listed)
-    floors = list_floors(selected.conditions, control_frequency, episodes, seed)
+    floors = list_floors(selected.conditions, control_frequency, episodes, seed, engine=engine)
     jobs_to_run: list[EvaluationJob | FloorJob] = [*listed, *floors]
     folder = ResultFolder.choose("evaluate", output, name, describe_jobs(jobs_to_run), goes_on=resume)
     run = Run(folder.path, workers, selected.controllers, not resume, terminal)
@@ -86,7 +96,7 @@ def evaluate_command(
         records = run.records(jobs_to_run, "evaluating")
         conditions = _conditions(records)
         content = run.write(jobs_to_run, records, {"ranking": _ranking(conditions)})
-    tables = [*_tables(conditions), *_scores(conditions)]
+    tables = [*_tables(conditions, engine), *_scores(conditions)]
     terminal.report(content, tables, _notes(run), [f"results: {run.results}"])
 
 
@@ -105,10 +115,10 @@ def _conditions(records: list[Record]) -> Conditions:
     return [(*key, own) for key, own in rows.items()]
 
 
-def _tables(conditions: Conditions) -> Iterator[ResultTable]:
+def _tables(conditions: Conditions, engine: str) -> Iterator[ResultTable]:
     """Two tables for each condition: scores and failures, and the medians of the metrics."""
     for environment_id, scenario, rows in conditions:
-        title = f"{environment_id}, scenario {scenario}"
+        title = condition_name(environment_id, scenario, engine)
         yield score_table(f"{title}: scores", rows)
         yield evaluation_table(title, rows, scoring_of(environment_id).columns)
 

@@ -18,6 +18,7 @@ from prp_gym.cli.options import (
     Algorithm,
     Backend,
     DefaultActionMode,
+    EngineOfRecipe,
     Json,
     Manifest,
     ParallelWorkers,
@@ -69,6 +70,7 @@ def train_command(
     first_seed: Annotated[int, typer.Option(help="First training seed.")] = 0,
     config: RecipeFile = None,
     settings: Settings = None,
+    engine: EngineOfRecipe = None,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -105,6 +107,8 @@ def train_command(
         mode = action_mode or default_action_mode(env_id, config)
         recipe = load_recipe(algo, env_id, mode, config, overrides)
         groups = [(recipe, range(first_seed, first_seed + seeds))]
+    if engine is not None:
+        groups = [(recipe.with_engine(engine), own_seeds) for recipe, own_seeds in groups]
     for recipe, _ in groups:
         _check_environment(recipe)
     logged = not shipped if tensorboard is None else tensorboard
@@ -119,7 +123,7 @@ def train_command(
         checkpoint_every,
         "resume" if resume else "fresh",
         logged,
-        _recipe_options(config, overrides),
+        _recipe_options(config, overrides, engine),
     )
     listed = [runs.jobs_of(recipe, own_seeds) for recipe, own_seeds in groups]
     every = [job for jobs in listed for job in jobs]
@@ -200,9 +204,9 @@ class _Runs:
         return shlex.join(["prp-gym", "train", recipe.environment_id, *given, *self.recipe_options])
 
 
-def _recipe_options(config: Path | None, overrides: Sequence[str]) -> tuple[str, ...]:
+def _recipe_options(config: Path | None, overrides: Sequence[str], engine: str | None) -> tuple[str, ...]:
     """The options that change recipes, as they are given."""
-    chosen = ("--config", str(config)) if config else ()
+    chosen = (*(("--config", str(config)) if config else ()), *(("--engine", engine) if engine else ()))
     return (*chosen, *(part for text in overrides for part in ("--set", text)))
 
 

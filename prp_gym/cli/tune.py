@@ -15,6 +15,7 @@ from prp_gym.cli import completion
 from prp_gym.cli.options import (
     Budget,
     ControlFrequency,
+    Engine,
     Episodes,
     Json,
     OneController,
@@ -34,8 +35,10 @@ from prp_gym.cli.options import (
 from prp_gym.console.activity import Activity
 from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError
+from prp_gym.evaluation.rollout import condition_name
 from prp_gym.runs.choice import TUNED, GainsChoice
 from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.key import key_of
 from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search import RESULT, Search
 from prp_gym.runs.search_plan import EPISODES, SCENARIOS
@@ -45,6 +48,7 @@ from prp_gym.tables import Cell, ResultTable, TableColumn
 from prp_gym.tables.column import text_column
 from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
+from prp_gym.tasks.setup import MUJOCO
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tuned_controller import TunedController
@@ -76,6 +80,7 @@ def tune_command(
     seed: Seed = 0,
     gains: StartGains = None,
     settings: Settings = None,
+    engine: Engine = MUJOCO,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -98,9 +103,11 @@ def tune_command(
     choice, controllers = choose_controller(chosen, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
         choice = with_start_gains(choice, controllers, environment_id, control_frequency)
-    task = TuningTask(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes, seed)
+    task = TuningTask(
+        *(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes, seed, engine)
+    )
     terminal = Terminal.of(quiet, as_json, form)
-    folder = ResultFolder.choose("tune", output, name, [asdict(task), asdict(choice)], goes_on=resume)
+    folder = ResultFolder.choose("tune", output, name, [key_of(task), asdict(choice)], goes_on=resume)
     search = Search(task, choice, folder.path, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
     with folder.in_use():
         result = _run(search, controllers, terminal)
@@ -157,8 +164,8 @@ def _run(search: Search, controllers: Controllers, terminal: Terminal) -> TunedC
 
 def _table(result: TunedController) -> ResultTable:
     """The scores before and after."""
-    scenarios = " and ".join(result.scenarios)
-    title = f"{result.controller} on {result.environment}, scenario {scenarios}"
+    condition = condition_name(result.environment, " and ".join(result.scenarios), result.engine)
+    title = f"{result.controller} on {condition}"
     columns = (text_column("settings"), TableColumn("training score"), TableColumn("validation score"))
     scores = {
         "start": (result.score_of_start, result.validation.score_of_start),

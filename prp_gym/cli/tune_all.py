@@ -13,6 +13,7 @@ from prp_gym.cli.options import (
     Backend,
     Budget,
     ControllerNames,
+    Engine,
     Environments,
     Json,
     ParallelWorkers,
@@ -37,6 +38,7 @@ from prp_gym.tables import Cell, ResultTable, TableColumn
 from prp_gym.tables.column import prose_column, text_column
 from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
+from prp_gym.tasks.setup import MUJOCO
 from prp_gym.tuning.tuned_controller import TunedController
 
 _FAILED = 1  # exit code
@@ -55,6 +57,7 @@ def tune_all_command(
         typer.Option(help="Share of the budgets that is spent."),
     ] = 1.0,
     seed: Seed = 0,
+    engine: Engine = MUJOCO,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -77,10 +80,10 @@ def tune_all_command(
         raise InvalidValueError("--budget-scale", budget_scale, "above 0, at most 100")
     combinations = list_combinations(check_names("environment", env or [], list_envs()), baseline or [])
     command = shlex.join(["prp-gym", *sys.argv[1:]])
-    content = [combinations, budget, budget_scale, seed]
+    content = [combinations, budget, budget_scale, seed, *([] if engine == MUJOCO else [engine])]
     folder = ResultFolder.choose("tune-all", output, name, content, goes_on=resume)
     searches = [
-        plan_search(combination, budget, budget_scale, seed, folder.path, command, resume)
+        plan_search(combination, budget, budget_scale, seed, folder.path, command, resume, engine)
         for combination in combinations
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
@@ -139,7 +142,9 @@ def _table(results: Sequence[TunedController]) -> ResultTable:
         *(TableColumn("time of the search", ("s",)), prose_column("edges")),
     )
     rows = [_row(item) for item in sorted(results, key=lambda item: (item.environment, item.controller))]
-    return ResultTable.of("validation of the searches", columns, rows)
+    engines = {item.engine for item in results} - {MUJOCO}
+    title = "validation of the searches" + "".join(f", engine {engine}" for engine in sorted(engines))
+    return ResultTable.of(title, columns, rows)
 
 
 def _row(item: TunedController) -> tuple[Cell | str, ...]:

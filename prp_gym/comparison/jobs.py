@@ -23,6 +23,7 @@ from prp_gym.runs.controllers import Controllers, gain_sets_of
 from prp_gym.runs.evaluation_job import EvaluationJob, make_environment
 from prp_gym.runs.floor_job import FloorJob
 from prp_gym.runs.job import Record, make_record
+from prp_gym.tasks.setup import MUJOCO
 from prp_gym.tuning import TunedController, list_tuned_controllers, load_tuned_controller
 
 TORQUE = EnvConfig.action_mode
@@ -94,7 +95,8 @@ def list_varied(job: EvaluationJob, controllers: Controllers) -> list[VariedJob]
         controllers: the controllers that can be made, by name.
     """
     found = []
-    with closing(make_environment(job.environment_id, job.scenario, job.control_frequency)) as env:
+    where = (job.environment_id, job.scenario, job.control_frequency, job.engine)
+    with closing(make_environment(*where)) as env:
         for gains in gain_sets_of(controllers.find(job.controller)):
             choice = replace(job.controller, gains=GainsChoice(gains))
             if choice == job.controller:
@@ -168,12 +170,14 @@ class AgentJob:
         scenario: name of the scenario.
         episodes: number of episodes.
         seed: random seed of the first episode.
+        engine: engine of the environment, whichever one the agent was trained with.
     """
 
     agent: AgentFile
     scenario: str
     episodes: int
     seed: int
+    engine: str = MUJOCO
 
     @property
     def environment_id(self) -> str:
@@ -203,7 +207,7 @@ class AgentJob:
             "path": agent.path,
             "sha256": agent.sha256,
         }
-        with closing(policy.make_env(scenario=self.scenario)) as env:
+        with closing(policy.make_env(scenario=self.scenario, engine=self.engine)) as env:
             return _evaluate(policy, env, self, facts, {"agent": agent_revision(policy.card)})
 
 

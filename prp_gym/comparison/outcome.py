@@ -86,6 +86,7 @@ class Outcome:
             {
                 "environment": condition.environment_id,
                 "scenario": condition.scenario,
+                "engine": condition.engine,
                 "policy": entry.policy,
                 "kind": entry.kind,
                 **summaries[entry.policy].to_plain(),

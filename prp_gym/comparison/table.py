@@ -8,6 +8,7 @@ import numpy as np
 from prp_gym.comparison.effort import Effort
 from prp_gym.comparison.statistics import Aggregate, PairwiseComparison, summarise, training_spread
 from prp_gym.comparison.values import AGENT, FLOOR, Condition, Entry
+from prp_gym.evaluation.rollout import condition_name
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.table import Row, evaluation_table, score_table
@@ -31,7 +32,7 @@ def condition_table(condition: Condition, seed: int) -> ResultTable:
         condition: environment and scenario with their policies.
         seed: random seed of the bootstrap.
     """
-    title = f"{condition.environment_id}, scenario {condition.scenario}"
+    title = _title(condition)
     return evaluation_table(
         title, condition_rows(condition, seed), scoring_of(condition.environment_id).columns, "policy"
     )
@@ -44,8 +45,11 @@ def condition_scores(condition: Condition, seed: int) -> ResultTable:
         condition: environment and scenario with their policies.
         seed: random seed of the bootstrap.
     """
-    title = f"{condition.environment_id}, scenario {condition.scenario}: scores"
-    return score_table(title, condition_rows(condition, seed), "policy")
+    return score_table(f"{_title(condition)}: scores", condition_rows(condition, seed), "policy")
+
+
+def _title(condition: Condition) -> str:
+    return condition_name(condition.environment_id, condition.scenario, condition.engine)
 
 
 def condition_rows(condition: Condition, seed: int) -> list[Row]:

@@ -9,6 +9,7 @@ import numpy as np
 from prp_gym.artifacts import to_array
 from prp_gym.errors import InvalidValueError
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.setup import MUJOCO
 
 Record = Mapping[str, Any]
 
@@ -116,12 +117,14 @@ class Condition:
         scenario: name of the scenario.
         seeds: evaluation seeds, the same for all policies.
         entries: the evaluated policies.
+        engine: name of the engine that simulated the episodes; MuJoCo in records that name none.
     """
 
     environment_id: str
     scenario: str
     seeds: tuple[int, ...]
     entries: tuple[Entry, ...]
+    engine: str = MUJOCO
 
     @classmethod
     def of(cls, records: Sequence[Record]) -> Self:
@@ -139,7 +142,8 @@ class Condition:
                 )
         groups = _group(records, ("policy",))
         entries = tuple(Entry.of(own) for own in groups.values())
-        return cls(first["environment"], first["scenario"], tuple(first["seeds"]), entries)
+        engine = str(first.get("engine", MUJOCO))
+        return cls(first["environment"], first["scenario"], tuple(first["seeds"]), entries, engine)
 
     def of_kind(self, *kinds: str) -> list[Entry]:
         """The policies of some kinds."""

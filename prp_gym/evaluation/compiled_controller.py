@@ -2,7 +2,7 @@
 
 import ctypes
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -97,6 +97,31 @@ def rows_of(state: Sequence[Array], count: int) -> Array:
     parts = [part.reshape(count, -1).astype(np.float64) for part in state]
     rows: Array = np.concatenate([np.zeros((count, 0)), *parts], axis=1)
     return rows
+
+
+class CompiledControllers(NamedTuple):
+    """Controllers of one compiled function, each with its gains, in the rows of N environments.
+
+    Attributes:
+        function: address of the compiled function.
+        numbers: numbers of the controller of each environment (N, P).
+        initial_state: states at the start of the episodes (N, size).
+    """
+
+    function: ctypes.c_void_p
+    numbers: Array
+    initial_state: Array
+
+    @classmethod
+    def of(cls, controllers: Sequence[CompiledController]) -> Self:
+        """Controllers one after the other, each in as many environments as it has observed.
+
+        Args:
+            controllers: controllers with the same `function`, at least one.
+        """
+        rows = [np.tile(own.numbers, (len(own.initial_state), 1)) for own in controllers]
+        states = [own.initial_state for own in controllers]
+        return cls(controllers[0].function, np.concatenate(rows), np.concatenate(states))
 
 
 def _refused(action: Any, after: Any) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from prp_gym.evaluation.episode import record_episode
 from prp_gym.evaluation.failure import FAILURES
 from prp_gym.evaluation.metrics import METRICS, episode_metrics
 from prp_gym.evaluation.policy_output import takes_batches
-from prp_gym.evaluation.rollout import Policy, Rollout
+from prp_gym.evaluation.rollout import Policy, Rollout, condition_name
 from prp_gym.evaluation.score_summary import ScoreSummary
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.evaluation.summary_table import summary_table
@@ -94,7 +94,8 @@ class Evaluation:
     def table(self) -> ResultTable:
         """Score, failures, and medians of the metrics that the task shows."""
         first = self.rollouts[0]
-        title = f"{len(self.rollouts)} episodes of {first.environment_id}, scenario {first.scenario}"
+        condition = condition_name(first.environment_id, first.scenario, first.engine)
+        title = f"{len(self.rollouts)} episodes of {condition}"
         return summary_table(title, first.environment_id, self.summary, self.median)
 
     def _repr_html_(self) -> str:

@@ -92,4 +92,5 @@ class Recorder:
             diverged=diverged,
             compute_time=compute_time,
             torque_limit=np.array(inner.torque_limit),
+            engine=inner.config.engine,
         )

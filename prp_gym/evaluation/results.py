@@ -29,6 +29,7 @@ def describe_evaluation(evaluation: Evaluation, baseline: str, settings: Any) ->
     return {
         "environment": first.environment_id,
         "scenario": first.scenario,
+        "engine": first.engine,
         "baseline": baseline,
         "settings": settings,
         "control_period": first.period,

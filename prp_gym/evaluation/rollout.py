@@ -14,6 +14,7 @@ from prp_gym.robot.arrays import Array
 from prp_gym.tables import Cell, ResultTable
 from prp_gym.tables.column import prose_column, text_column
 from prp_gym.tables.data_frame import make_frame
+from prp_gym.tasks.setup import MUJOCO
 
 if TYPE_CHECKING:
     from prp_gym.figures.notebook_figure import NotebookFigure
@@ -61,6 +62,7 @@ class Rollout:
             that is not reproducible. It includes the inner controller of an action mode, over all periods of
             the action.
         torque_limit: largest torques of the actuators (joints) [N m, N, N m].
+        engine: name of the engine that simulated it.
     """
 
     environment_id: str
@@ -76,6 +78,7 @@ class Rollout:
     diverged: bool
     compute_time: Array
     torque_limit: Array
+    engine: str = MUJOCO
 
     @property
     def planned_periods(self) -> int:
@@ -110,7 +113,7 @@ class Rollout:
             "diverged": "yes" if self.diverged else "no",
             "recorded": ", ".join([*self.fields, "torque", "applied_torque", "reward"]),
         }
-        title = f"episode of {self.environment_id}, scenario {self.scenario}"
+        title = f"episode of {condition_name(self.environment_id, self.scenario, self.engine)}"
         rows = [(name, Cell.of(text)) for name, text in facts.items()]
         return ResultTable.of(title, (text_column("fact"), prose_column("value")), rows)
 
@@ -146,6 +149,12 @@ class Rollout:
         from prp_gym.figures.episode_figure import draw_episode  # on use: the package stays light
 
         return draw_episode(self, policy)
+
+
+def condition_name(environment_id: str, scenario: str, engine: str) -> str:
+    """Environment and scenario for the title of a table, with the engine where it is not the reference."""
+    simulated = "" if engine == MUJOCO else f", engine {engine}"
+    return f"{environment_id}, scenario {scenario}{simulated}"
 
 
 def _with_last(values: Array) -> Array:

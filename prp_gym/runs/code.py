@@ -12,7 +12,7 @@ from prp_gym.artifacts import list_versions
 from prp_gym.plugins import loaded_plugins
 
 _SOURCES = (prp_gym, prp_gym.envs, prp_gym.baselines, prp_gym.agents)
-_SUFFIXES = (".py", ".toml")
+_SUFFIXES = (".py", ".toml", ".c", ".h")
 
 
 def running_code() -> dict[str, str]:

@@ -12,6 +12,7 @@ from prp_gym.evaluation.evaluate import episodes_to_run, evaluate
 from prp_gym.runs.choice import ControllerChoice
 from prp_gym.runs.controllers import Controllers, settings_of
 from prp_gym.runs.job import Record, make_record
+from prp_gym.tasks.setup import MUJOCO
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class EvaluationJob:
         control_frequency: control frequency of the environment [Hz].
         episodes: number of episodes, 1 in a deterministic scenario.
         seed: seed of the first episode.
+        engine: engine of the environment.
     """
 
     environment_id: str
@@ -33,6 +35,7 @@ class EvaluationJob:
     control_frequency: float
     episodes: int
     seed: int
+    engine: str = MUJOCO
 
     @property
     def name(self) -> str:
@@ -43,7 +46,9 @@ class EvaluationJob:
         """See `Job.run`."""
         choice = self.controller
         declared = controllers.find(choice)
-        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
+        with closing(
+            make_environment(self.environment_id, self.scenario, self.control_frequency, self.engine)
+        ) as env:
             policy = controllers.make(choice, env)
             with controllers.reported(choice, env):
                 evaluation = evaluate(policy, env, self.episodes, self.seed)
@@ -59,6 +64,7 @@ def list_jobs(
     control_frequency: float,
     episodes: int,
     seed: int,
+    engine: str = MUJOCO,
 ) -> list[EvaluationJob]:
     """The controllers that can run on each environment, all made once before anything is run.
 
@@ -69,6 +75,7 @@ def list_jobs(
         control_frequency: control frequency of the environments [Hz].
         episodes: number of episodes of each job; a deterministic scenario has one.
         seed: seed of the first episode.
+        engine: engine of the environments.
 
     Raises:
         UnknownNameError: a gain set or setting that one of the controllers lacks.
@@ -77,19 +84,22 @@ def list_jobs(
     """
     jobs = []
     for environment_id, scenario in conditions:
-        with closing(make_environment(environment_id, scenario, control_frequency)) as env:
+        with closing(make_environment(environment_id, scenario, control_frequency, engine)) as env:
             count = episodes_to_run(env, episodes)
-            for choice in choices:
-                if _can_run(controllers, choice, env):
-                    jobs.append(
-                        EvaluationJob(environment_id, scenario, choice, control_frequency, count, seed)
-                    )
+            found = [choice for choice in choices if _can_run(controllers, choice, env)]
+        jobs += [
+            EvaluationJob(environment_id, scenario, choice, control_frequency, count, seed, engine)
+            for choice in found
+        ]
     return jobs
 
 
-def make_environment(environment_id: str, scenario: str, control_frequency: float) -> gymnasium.Env[Any, Any]:
+def make_environment(
+    environment_id: str, scenario: str, control_frequency: float, engine: str = MUJOCO
+) -> gymnasium.Env[Any, Any]:
     """An environment whose actions are torques."""
-    return gymnasium.make(environment_id, scenario=scenario, control_frequency=control_frequency)
+    keywords: dict[str, Any] = {"control_frequency": control_frequency, "engine": engine}
+    return gymnasium.make(environment_id, scenario=scenario, **keywords)
 
 
 def _can_run(controllers: Controllers, choice: ControllerChoice, env: gymnasium.Env[Any, Any]) -> bool:

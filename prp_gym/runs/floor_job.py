@@ -11,6 +11,7 @@ from prp_gym.evaluation.evaluate import episodes_to_run, evaluate
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import make_environment
 from prp_gym.runs.job import Record, make_record
+from prp_gym.tasks.setup import MUJOCO
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class FloorJob:
         control_frequency: control frequency of the environment [Hz].
         episodes: number of episodes.
         seed: random seed of the first episode.
+        engine: engine of the environment.
         specs: declarations among which the floor is found by name.
     """
 
@@ -35,6 +37,7 @@ class FloorJob:
     control_frequency: float
     episodes: int
     seed: int
+    engine: str = MUJOCO
 
     @property
     def name(self) -> str:
@@ -43,7 +46,9 @@ class FloorJob:
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        with closing(make_environment(self.environment_id, self.scenario, self.control_frequency)) as env:
+        with closing(
+            make_environment(self.environment_id, self.scenario, self.control_frequency, self.engine)
+        ) as env:
             spec = self.specs[self.floor]
             evaluation = evaluate(spec.make(env), env, self.episodes, self.seed)
             record = make_record(evaluation, spec.name, {}, {"controller": spec.revision})
@@ -56,6 +61,7 @@ def list_floors(
     episodes: int,
     seed: int,
     specs: Mapping[str, ControllerSpec] = FLOORS,
+    engine: str = MUJOCO,
 ) -> list[FloorJob]:
     """The floors under every condition where they can be made.
 
@@ -65,12 +71,15 @@ def list_floors(
         episodes: number of episodes of each job; a deterministic scenario has one.
         seed: seed of the first episode.
         specs: declared policies of which those are taken that can be made.
+        engine: engine of the environments.
     """
     jobs = []
     for environment_id, scenario in conditions:
-        with closing(make_environment(environment_id, scenario, control_frequency)) as env:
+        with closing(make_environment(environment_id, scenario, control_frequency, engine)) as env:
             count = episodes_to_run(env, episodes)
             layout = env.get_wrapper_attr("observation_layout")
         names = [name for name, spec in specs.items() if not spec.missing_fields(layout)]
-        jobs += [FloorJob(environment_id, scenario, name, control_frequency, count, seed) for name in names]
+        jobs += [
+            FloorJob(environment_id, scenario, name, control_frequency, count, seed, engine) for name in names
+        ]
     return jobs

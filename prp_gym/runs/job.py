@@ -2,7 +2,7 @@
 
 import platform
 from collections.abc import Iterable, Mapping
-from dataclasses import Field, asdict, dataclass
+from dataclasses import Field, dataclass
 from typing import Any, ClassVar, Protocol
 
 from prp_gym.artifacts import to_plain
@@ -11,6 +11,7 @@ from prp_gym.evaluation.evaluate import Evaluation
 from prp_gym.evaluation.results import describe_evaluation
 from prp_gym.runs.code import running_code
 from prp_gym.runs.controllers import Controllers
+from prp_gym.runs.key import key_of
 from prp_gym.tasks.spec import TASKS
 
 Record = dict[str, Any]
@@ -109,4 +110,4 @@ def describe_jobs(jobs: Iterable[Job]) -> list[list[Any]]:
     Args:
         jobs: jobs of a command.
     """
-    return [[type(job).__name__, to_plain(asdict(job))] for job in jobs]
+    return [[type(job).__name__, to_plain(key_of(job))] for job in jobs]

@@ -18,6 +18,7 @@ from prp_gym.runs.choice import ControllerChoice
 from prp_gym.runs.code import running_code
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import make_environment
+from prp_gym.runs.key import key_of
 from prp_gym.runs.tuning_candidates import list_candidates
 from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.objective import Objective, ScenarioCandidates
@@ -60,7 +61,7 @@ class Search:
     def key(self) -> dict[str, Any]:
         """Everything that the trials depend on."""
         code = {**running_code(), "optuna": version_of("optuna")}
-        plain: dict[str, Any] = to_plain({**asdict(self.task), "start": asdict(self.choice), "code": code})
+        plain: dict[str, Any] = to_plain({**key_of(self.task), "start": asdict(self.choice), "code": code})
         return plain
 
     def run(
@@ -105,7 +106,8 @@ class Search:
         return result
 
     def _environment(self, scenario: str) -> gymnasium.Env[Any, Any]:
-        return make_environment(self.task.environment_id, scenario, self.task.control_frequency)
+        task = self.task
+        return make_environment(task.environment_id, scenario, task.control_frequency, task.engine)
 
     def _remove(self) -> None:
         """Remove what another run of the search has kept."""
@@ -160,5 +162,6 @@ class Search:
             command=self.command,
             versions={**list_versions(), "optuna": version_of("optuna")},
             code=self.choice.facts.get("code", {}),
+            engine=task.engine,
         )
         return read_tuned_controller(to_plain(asdict(content)), self.folder / RESULT)

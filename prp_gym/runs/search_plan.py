@@ -13,6 +13,7 @@ from prp_gym.runs.choice import TUNED, ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.search import Search
 from prp_gym.tasks.registration import list_envs
+from prp_gym.tasks.setup import MUJOCO
 from prp_gym.tuning.task import TuningTask
 from prp_gym.tuning.tuned_controller import TunedController
 
@@ -65,6 +66,7 @@ def plan_search(
     output: Path,
     command: str,
     resume: bool = True,
+    engine: str = MUJOCO,
 ) -> Search:
     """The search for the gains of a controller on an environment.
 
@@ -76,6 +78,7 @@ def plan_search(
         output: folder for the folder of the search.
         command: command line that runs the search.
         resume: whether to go on with what an interrupted run has kept, in place of starting over.
+        engine: engine of the environment.
 
     Raises:
         InvalidValueError: a budget that is too small.
@@ -83,7 +86,8 @@ def plan_search(
     environment_id, name = combination
     steps = simulated_seconds(environment_id) * Fraction(FREQUENCY) if budget is None else Fraction(budget)
     task = TuningTask(
-        environment_id, name, SCENARIOS, FREQUENCY, math.floor(steps * Fraction(scale)), EPISODES, seed
+        *(environment_id, name, SCENARIOS, FREQUENCY, math.floor(steps * Fraction(scale))),
+        *(EPISODES, seed, engine),
     )
     return Search(task, ControllerChoice(name, gains=GainsChoice(TUNED)), output, command, resume)
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -12,6 +11,7 @@ from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.processes.leftovers import remove_leftovers
 from prp_gym.runs.code import running_code
 from prp_gym.runs.job import Job, Record
+from prp_gym.runs.key import key_of
 
 JobT = TypeVar("JobT", bound=Job)
 
@@ -69,5 +69,5 @@ class JobStore:
 
 def _content(job: Job, record: Record) -> dict[str, Any]:
     """What the file of a job with this record holds."""
-    key = {"job": asdict(job), "code": running_code()}
+    key = {"job": key_of(job), "code": running_code()}
     return seal({"key": key, "record": record})

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
 from prp_gym.evaluation.policy_output import check_output, takes_batches
 from prp_gym.evaluation.rollout import Policy, check_environment
 from prp_gym.robot.arrays import Array
+from prp_gym.tuning.compiled_episodes import CompiledTotals, begin_episodes, run_compiled
 
 
 class EpisodeScores(NamedTuple):
@@ -32,7 +32,8 @@ class Episodes:
     They are those that `prp_gym.evaluate` runs with these seeds, and so are their scores. An episode ends
     with a divergence, or where a policy's action is not finite; the rest of it scores 0 and is not simulated.
     They are simulated side by side, those of several policies too, for policies that take several
-    observations at once, else one by one.
+    observations at once, else one by one. With the compiled engine, whole episodes of a controller of this
+    suite run within the compiled code. Whatever runs them, scores and steps are the same.
 
     Args:
         env: environment of this suite; its wrappers are ignored.
@@ -44,7 +45,7 @@ class Episodes:
 
     def __init__(self, env: gymnasium.Env[Any, Any], seeds: Sequence[int]) -> None:
         inner: Any = check_environment(env)
-        self._seeds = seeds
+        self._seeds, self._inner = seeds, inner
         self._make_loop = cache(inner.make_loop)
         self._horizon = int(inner.config.horizon)
         self._shape = tuple(inner.action_space.shape)
@@ -68,7 +69,21 @@ class Episodes:
         Raises:
             PolicyOutputError: a policy returns something else than actions and a state.
         """
-        if all(takes_batches(policy) for policy in policies):
+        compiled = run_compiled(policies, self._inner, self._make_loop, self._seeds)
+        others = [policy for index, policy in enumerate(policies) if index not in compiled]
+        looped = iter(self._run_others(others))
+        return [
+            self._totalled(compiled[index]) if index in compiled else next(looped)
+            for index in range(len(policies))
+        ]
+
+    def _totalled(self, totals: CompiledTotals) -> EpisodeScores:
+        """The scores of episodes that compiled code has run, each to its end or its divergence."""
+        steps = np.where(totals.ended > 0, totals.ended, self._horizon)
+        return EpisodeScores(totals.reward / self._horizon, int(steps.sum()))
+
+    def _run_others(self, policies: Sequence[Policy]) -> list[EpisodeScores]:
+        if policies and all(takes_batches(policy) for policy in policies):
             return self._run(policies, self._seeds)
         return [self._run_one(policy) for policy in policies]
 
@@ -83,9 +98,7 @@ class Episodes:
     def _run(self, policies: Sequence[Policy], seeds: Sequence[int]) -> list[EpisodeScores]:
         """The scores of policies whose episodes are simulated in one loop, those of a policy in a row."""
         size, count = len(seeds), len(seeds) * len(policies)
-        loop = self._make_loop(count)
-        rngs = [seeding.np_random(int(seed))[0] for _ in policies for seed in seeds]
-        observation = loop.reset(np.arange(count), rngs, {})
+        loop, observation = begin_episodes(self._make_loop, seeds, len(policies))
         acting = [_Acting(policy, (size, *self._shape)) for policy in policies]
         returns, steps = np.zeros(count), np.zeros(count, dtype=np.int64)
         alive = np.ones(count, dtype=np.bool_)

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from prp_gym.checks import LARGEST_WHOLE, whole
+from prp_gym.checks import LARGEST_WHOLE, choice, whole
 from prp_gym.errors import InvalidValueError
+from prp_gym.tasks.setup import ENGINES, MUJOCO
 
 TRAINING_SEEDS = 1_000_000
 """Number of episode seeds of one seed of the search; those of search k begin at (k + 1) times this."""
@@ -27,8 +28,10 @@ class TuningTask:
         episodes: number of episodes of every candidate, divided evenly among the scenarios; all candidates
             have the same episodes.
         seed: seed of the search and of its episodes.
+        engine: engine of the environment, also in the validation.
 
     Raises:
+        UnknownNameError: an engine that does not exist.
         InvalidValueError: a number that is not whole or too small, or too large a seed; no scenario, or one
             twice.
     """
@@ -40,8 +43,10 @@ class TuningTask:
     budget: int
     episodes: int = 24
     seed: int = 0
+    engine: str = MUJOCO
 
     def __post_init__(self) -> None:
+        choice("engine", self.engine, ENGINES)
         if not self.scenarios or len(set(self.scenarios)) < len(self.scenarios):
             raise InvalidValueError("scenarios", self.scenarios, "at least one, each once")
         for name, least, most in (

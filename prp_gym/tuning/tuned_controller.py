@@ -16,6 +16,7 @@ from prp_gym.files.file_reader import RECORD_SIZE, FileReader
 from prp_gym.files.typed_reader import TypedReader
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
+from prp_gym.tasks.setup import ENGINES, MUJOCO
 from prp_gym.tuning.validation import Validation
 
 SEARCHES = "searches"
@@ -50,6 +51,7 @@ class TunedController:
         command: command line that ran the search.
         versions: versions of Python and of the packages that the result depends on.
         code: name and SHA-256 of a user's controller; empty for a registered one.
+        engine: engine of the search and of its validation; MuJoCo in a file that names none.
     """
 
     environment: str
@@ -73,6 +75,7 @@ class TunedController:
     command: str
     versions: Mapping[str, str]
     code: Mapping[str, str] = field(default_factory=dict)
+    engine: str = MUJOCO
 
     def make(self, env: Any) -> Baseline[Any]:
         """The controller with the settings that were found, as a policy for its environment.
@@ -151,6 +154,7 @@ def read_tuned_controller(content: Any, path: Path) -> TunedController:
 def _check(found: TunedController) -> None:
     """Refuse names that are not declared, and settings that the controller refuses."""
     named: list[tuple[str, str, Iterable[str]]] = [("environment", found.environment, list_envs())]
+    named.append(("engine", found.engine, ENGINES))
     named += [("scenario", scenario, SCENARIOS) for scenario in found.scenarios]
     if not found.code:
         named.append(("controller", found.controller, CONTROLLERS))

@@ -44,6 +44,7 @@ def completed(line: str) -> list[str]:
         ("prp-gym train --algo ", list(ALGORITHMS)),
         ("prp-gym evaluate -g rep", ["report"]),
         ("prp-gym evaluate --backend l", ["loky"]),
+        ("prp-gym tune --engine c", ["compiled"]),
         ("prp-gym train PRP-Adaptive", ["PRP-Adaptive-v0", "PRP-Adaptive-RL-v0"]),
     ],
 )
@@ -54,7 +55,7 @@ def test_shell_offers_the_names_that_start_with_what_was_typed(line: str, offere
 FUNCTIONS = [
     *(completion.environments, completion.learning_ids, completion.controllers, completion.scenarios),
     *(completion.gain_sets, completion.agents, completion.action_modes, completion.algorithms),
-    completion.backends,
+    *(completion.backends, completion.engines),
 ]
 
 

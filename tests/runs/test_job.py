@@ -117,7 +117,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.parametrize("name", ["__init__.py", "inner/data.toml", "new.py"])
+@pytest.mark.parametrize("name", ["__init__.py", "inner/data.toml", "new.py", "inner/loop.c", "world.h"])
 def test_digest_changes_with_code_and_data(package: Path, name: str) -> None:
     before = source_digest.__wrapped__()
     assert source_digest.__wrapped__() == before

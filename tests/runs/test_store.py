@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -47,6 +47,7 @@ CHANGES: list[dict[str, Any]] = [
     {"control_frequency": 100.0},
     {"episodes": 3},
     {"seed": 8},
+    {"engine": "compiled"},
 ]
 
 
@@ -55,6 +56,14 @@ def test_record_of_other_settings_is_not_reused(tmp_path: Path, change: dict[str
     finished = JobStore(tmp_path)
     finished.keep(JOB, RECORD)
     assert finished.find([replace(JOB, **change)]) == ({}, [only_file(tmp_path)])
+
+
+def test_record_that_was_kept_before_there_were_engines_is_mujocos(tmp_path: Path) -> None:
+    finished = JobStore(tmp_path)
+    finished.keep(JOB, RECORD)
+    job = json.loads(only_file(tmp_path).read_text())["key"]["job"]
+    assert set(job) == {field.name for field in fields(JOB)} - {"engine"}
+    assert finished.find([JOB]) == ({JOB: RECORD}, [])
 
 
 OTHERS = [OTHER, replace(JOB, scenario="report"), replace(JOB, environment_id="PRP-Adaptive-v0")]

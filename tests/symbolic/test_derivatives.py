@@ -234,7 +234,7 @@ def test_transposed_function_without_effect_is_zero() -> None:
 
 def test_a_function_without_its_rounding_is_the_formula_of_doubles() -> None:
     def formula(x: Any, other: Any) -> dict[str, Any]:
-        return {"y": np.where(x > 0.0, (x / 3.0).astype(np.float32), 1.0), "unused": x[:1]}
+        return {"y": np.where(x > 0.0, x / 3.0, 1.0).astype(np.float32), "unused": x[:1]}
 
     rounded = trace("rounded", formula, {"x": (2,), "other": (1,)})
     smooth = unrounded(rounded, "smooth")
