@@ -239,7 +239,7 @@ class ArmSimulation(Simulation):
 
     @abstractmethod
     def dynamics(self, simulation: int = 0) -> tuple[Array, Array, Array]:
-        """Mass factors, viscous and Coulomb friction (1, 3) of one simulation, as `set_dynamics` takes them."""
+        """Mass factors, viscous and Coulomb friction (1, 3) of one simulation; see `set_dynamics`."""
 
 
 class LinkSimulation(Simulation):

@@ -57,7 +57,7 @@ def in_closed_form(physics: Simulation, simulation: int = 0) -> CompiledSimulati
         one simulation, which is a copy.
 
     Raises:
-        InvalidValueError: a simulation that the closed form lacks: with surface friction, or of another robot.
+        InvalidValueError: what the closed form lacks: surface friction, another robot than the nominal ones.
         CompilerError: this machine has neither the compiled code nor a compiler.
     """
     row, one = np.zeros(1, dtype=np.intp), slice(simulation, simulation + 1)

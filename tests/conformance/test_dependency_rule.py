@@ -40,6 +40,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "envs": (),
     "baselines": (),
     "agents": ("envs",),
+    "linearization": ("envs",),
     "action_modes": ("envs", "baselines"),
     "tuning": ("baselines",),
     "reproduction": ("baselines",),
