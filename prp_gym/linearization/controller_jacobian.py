@@ -126,7 +126,8 @@ class ControllerJacobian:
         layout = self._controller.interface.layout
         fresh = self._controller.initial_state(layout.split(self._observation))
         given = state_to_begin_with(fresh, state, None, ())
-        return self._formula.row(tuple(part[None] for part in given), 1)[0]
+        row: Array = self._formula.row(tuple(part[None] for part in given), 1)[0]
+        return row
 
     def at(self, state: Array) -> Derivatives:
         """The derivatives around a state of the controller (size)."""
