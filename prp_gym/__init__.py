@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from prp_gym.evaluation.evaluate import evaluate
     from prp_gym.evaluation.metrics import register_metric
     from prp_gym.gradients.score_gradient import score_gradient
+    from prp_gym.linearization.linearize import linearize
     from prp_gym.plugins import load_plugins
 
 __version__ = "0.1.0"
@@ -42,6 +43,7 @@ __all__ = [
     "__version__",
     "controller",
     "evaluate",
+    "linearize",
     "list_agents",
     "list_baselines",
     "list_envs",
@@ -62,6 +64,7 @@ _IMPORTED_ON_USE = {
     "ControllerSpec": "prp_gym.baselines.base.spec",
     "controller": "prp_gym.baselines.base.function_controller",
     "evaluate": "prp_gym.evaluation.evaluate",
+    "linearize": "prp_gym.linearization.linearize",
     "list_agents": "prp_gym.agents.policy.agent_file",
     "list_baselines": "prp_gym.baselines.base.make",
     "load_agent": "prp_gym.agents.policy.agent_file",

@@ -82,7 +82,10 @@ class CompiledGradients(CompiledPeriods):
         rows = len(observation)
         self._give_controller(controller, observation)
         score, ended = np.zeros(rows), np.zeros(rows, dtype=np.intp)
-        numbers, state = np.zeros((rows, controller.numbers.shape[-1])), np.zeros(controller.initial_state.shape)
+        numbers, state = (
+            np.zeros((rows, controller.numbers.shape[-1])),
+            np.zeros(controller.initial_state.shape),
+        )
         self._set({"ended": ended})
         asked = _Gradient(controller.reverse, numbers.shape[1], 1.0 / self._loop.config.horizon)
         asked.score, asked.numbers, asked.state = (array.ctypes.data for array in (score, numbers, state))

@@ -32,7 +32,7 @@ class GradientSource(PeriodSource):
     """
 
     def __init__(self, loop: Any) -> None:
-        self._derivatives = loop.physics.reverse_source()
+        self._derivatives = loop.physics.derivatives_source
         super().__init__(loop)
 
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:

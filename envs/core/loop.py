@@ -292,6 +292,16 @@ class EpisodeLoop:
                 f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
             )
 
+    @property
+    def observation(self) -> Array:
+        """The fields of the task as the sensors read them at present (N, task.layout.size), a new array."""
+        return self._observe()
+
+    def present_parts(self) -> PeriodParts:
+        """See `period_parts`, with what the parts keep at present, which compiled code may hold."""
+        self._store()
+        return self.period_parts()
+
     def period_parts(self) -> PeriodParts:
         """The parts whose formulas make up a control period, besides the physics."""
         parts = (self._actuators, self._sensors, self._scoring)

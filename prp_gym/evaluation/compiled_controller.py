@@ -25,6 +25,69 @@ CONSTANTS = (PRPArm, Link, ObservationLayout)
 _NAME = "prp_controller_act"
 
 
+class ControllerFormula:
+    """The formula of a controller's `act`, with its state in a row of numbers.
+
+    Args:
+        controller: controller with the methods `initial_state` and `act` of a baseline.
+        observation: observations (N, size) at the start of episodes.
+
+    Attributes:
+        initial_state: state at the start of an episode (N, size).
+        kind: what tells the formula from those of controllers with another state.
+
+    Raises:
+        ShapeError: observations of another size.
+        UntraceableError: a state without an axis of environments.
+    """
+
+    def __init__(self, controller: Any, observation: Array) -> None:
+        layout = controller.interface.layout
+        layout.checked(observation[0])
+        state = controller.initial_state(layout.split(observation))
+        if any(np.shape(part)[:1] != observation.shape[:1] for part in state):
+            raise untraceable("a state without an axis of environments")
+        self._shapes = [part.shape[1:] for part in state]
+        self._kinds = [part.dtype for part in state]
+        self.initial_state = self.row(state, len(observation))
+        self.kind = "act", tuple(self._shapes), tuple(map(str, self._kinds))
+
+    def row(self, state: tuple[Array, ...], count: int) -> Array:
+        """A state of `count` environments as rows of numbers (count, size)."""
+        rows = [part.reshape(count, -1).astype(np.float64) for part in state]
+        return np.concatenate([np.zeros((count, 0)), *rows], axis=1)
+
+    def __call__(self, controller: Any, observation: Any, state: Any) -> tuple[Any, tuple[Any, ...]]:
+        """Action and state a period later, of symbolic arrays.
+
+        Args:
+            controller: copy of the controller, whose numbers are symbolic.
+            observation: (1, size).
+            state: state in a row (1, size).
+
+        Raises:
+            UntraceableError: a controller that keeps something outside of its state, or returns an action or
+                a state of another shape.
+        """
+        observed = {name: observation[..., part] for name, part in controller.interface.layout.slices.items()}
+        parts, first = [], 0
+        for shape, kind in zip(self._shapes, self._kinds, strict=True):
+            last = first + int(np.prod(shape, dtype=np.intp))
+            parts.append(state[:, first:last].reshape((1, *shape)).astype(kind))
+            first = last
+        before = attributes(controller)
+        action, after = controller.act(observed, tuple(parts))
+        require_same(controller, before)
+        again = controller.act(observed, tuple(parts))
+        if _nodes(observation.graph, action, after) != _nodes(observation.graph, *again):
+            raise untraceable(f"what {type(controller).__name__} keeps outside of its state")
+        if action.shape != (1, *controller.interface.torque_limit.shape):
+            raise untraceable(f"an action of shape {action.shape}")
+        if [part.shape[1:] for part in after] != self._shapes:
+            raise untraceable("a state whose shape changes")
+        return action, after
+
+
 class CompiledController:
     """A controller as a compiled function: observation, state, input and numbers -> action and state.
 
@@ -48,19 +111,21 @@ class CompiledController:
     decides_branches: ClassVar[bool] = False
 
     def __init__(self, controller: Any, observation: Array) -> None:
-        layout = controller.interface.layout
-        layout.checked(observation[0])
-        state = controller.initial_state(layout.split(observation))
-        if any(np.shape(part)[:1] != observation.shape[:1] for part in state):
-            raise untraceable("a state without an axis of environments")
-        self._shapes = [part.shape[1:] for part in state]
-        self._kinds = [part.dtype for part in state]
-        self.initial_state = rows_of(state, len(observation))
+        formula = ControllerFormula(controller, observation)
+        self.initial_state = formula.initial_state
         self.numbers = numbers_of(controller, CONSTANTS)
-        shapes = {"observation": (1, layout.size), "state": (1, self.initial_state.shape[1]), "input": (1, 0)}
-        kind = "act", tuple(self._shapes), tuple(map(str, self._kinds))
+        shapes = {
+            "observation": (1, controller.interface.layout.size),
+            "state": (1, self.initial_state.shape[1]),
+            "input": (1, 0),
+        }
+
+        def act(own: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
+            action, after = formula(own, observation, state)
+            return _refused(action, after) if after else {"action": action, "after": state}
+
         traced = trace_method(
-            _NAME, self._act, controller, shapes, CONSTANTS, kind, decide=self.decides_branches
+            _NAME, act, controller, shapes, CONSTANTS, formula.kind, decide=self.decides_branches
         )
         functions = self._functions(traced)
         source = "\n".join([PREAMBLE, *(c_function(each, linkage="") for each in functions)])
@@ -70,33 +135,6 @@ class CompiledController:
     def _functions(self, traced: LiftedFunction) -> tuple[SymbolicFunction, ...]:
         """The functions that are compiled, the controller's first."""
         return (traced.function,)
-
-    def _act(self, controller: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
-        """The traced formula."""
-        observed = {name: observation[..., part] for name, part in controller.interface.layout.slices.items()}
-        parts, first = [], 0
-        for shape, kind in zip(self._shapes, self._kinds, strict=True):
-            last = first + int(np.prod(shape, dtype=np.intp))
-            parts.append(state[:, first:last].reshape((1, *shape)).astype(kind))
-            first = last
-        before = attributes(controller)
-        action, after = controller.act(observed, tuple(parts))
-        require_same(controller, before)
-        again = controller.act(observed, tuple(parts))
-        if _nodes(observation.graph, action, after) != _nodes(observation.graph, *again):
-            raise untraceable(f"what {type(controller).__name__} keeps outside of its state")
-        if action.shape != (1, *controller.interface.torque_limit.shape):
-            raise untraceable(f"an action of shape {action.shape}")
-        if [part.shape[1:] for part in after] != self._shapes:
-            raise untraceable("a state whose shape changes")
-        return _refused(action, after) if after else {"action": action, "after": state}
-
-
-def rows_of(state: Sequence[Array], count: int) -> Array:
-    """A state of several observations as rows of numbers (count, size)."""
-    parts = [part.reshape(count, -1).astype(np.float64) for part in state]
-    rows: Array = np.concatenate([np.zeros((count, 0)), *parts], axis=1)
-    return rows
 
 
 class CompiledControllers(NamedTuple):

@@ -14,7 +14,7 @@ from prp_gym.envs.action_mode import TORQUE
 from prp_gym.envs.core.compiled_gradient import CompiledGradients, EpisodeGradients
 from prp_gym.envs.core.make_loop import make_loop
 from prp_gym.errors import InvalidValueError, NonFiniteError, UntraceableError
-from prp_gym.evaluation.compiled_controller import CONSTANTS, rows_of
+from prp_gym.evaluation.compiled_controller import CONSTANTS, ControllerFormula
 from prp_gym.gradients.reversible_controller import ReversibleController
 from prp_gym.gradients.settings_derivative import by_settings
 from prp_gym.robot.arrays import Array
@@ -112,10 +112,10 @@ def _by_setting(
         return {}
     observation = reversible.first_observation
     observed = controller.interface.layout.split(observation)
-    rows = len(observation)
+    rows, formula = len(observation), ControllerFormula(controller, observation)
 
     def read(other: Any) -> Array:
-        state = rows_of(other.initial_state(observed), rows)
+        state = formula.row(other.initial_state(observed), rows)
         return np.concatenate([numbers_of(other, CONSTANTS), state.ravel()])
 
     weights = np.concatenate([found.by_numbers.mean(axis=0), found.by_state.ravel() / rows])

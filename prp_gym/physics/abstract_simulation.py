@@ -7,9 +7,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.physics.mjcf import PhysicsSettings
 from prp_gym.physics.model_fields import Ids
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.parameters import RobotParameters
 
 
 class PhysicsState(NamedTuple):
@@ -162,7 +164,15 @@ class Simulation(ABC):
 
 
 class ArmSimulation(Simulation):
-    """N simulations of the arm, with or without an elastic surface."""
+    """N simulations of the arm, with or without an elastic surface.
+
+    Attributes:
+        parameters: Nominal parameters of the simulated arm.
+        settings: Settings of the world.
+    """
+
+    parameters: RobotParameters
+    settings: PhysicsSettings
 
     @property
     @abstractmethod
@@ -223,6 +233,14 @@ class ArmSimulation(Simulation):
             InvalidValueError: A factor that is not positive, negative friction, a value that is not finite.
         """
 
+    @abstractmethod
+    def has_surface(self, simulation: int = 0) -> bool:
+        """Whether the surface of one simulation was set."""
+
+    @abstractmethod
+    def dynamics(self, simulation: int = 0) -> tuple[Array, Array, Array]:
+        """Mass factors, viscous and Coulomb friction (1, 3) of one simulation; see `set_dynamics`."""
+
 
 class LinkSimulation(Simulation):
     """N simulations of the one-joint link."""
@@ -244,3 +262,7 @@ class LinkSimulation(Simulation):
             InvalidValueError: an inertia that is not positive, negative friction or gravity moment, a
                 value that is not finite; nothing is changed.
         """
+
+    @abstractmethod
+    def parameters_of(self, simulation: int) -> tuple[Array, Array, Array]:
+        """Inertia, viscous friction and gravity moment (1) of one simulation; see `set_parameters`."""

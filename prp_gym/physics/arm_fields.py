@@ -78,6 +78,10 @@ class ArmFields(ModelFields):
         stiffness, damping = self._springs[simulation : simulation + 1].T
         return Surface(stiffness, damping, normal, dot(normal, center) + TIP_RADIUS)
 
+    def has_surface(self, simulation: int) -> bool:
+        """Whether the surface of one simulation was set."""
+        return not np.isnan(self._springs[simulation]).any()
+
     def _require_surface(self, ids: Ids) -> None:
         """Refuse simulations whose surface was never set, or that have none."""
         if np.isnan(self._springs[ids]).any():
@@ -95,6 +99,12 @@ class ArmFields(ModelFields):
         self.batch.expand("dof_frictionloss")[rows] = coulomb_friction
         self.batch.set_const(None if isinstance(rows, slice) else rows)
         self._calibrate(rows)
+
+    def dynamics(self, simulation: int) -> tuple[Array, Array, Array]:
+        """See `ArmSimulation.dynamics`."""
+        mass = self.value("body_mass", simulation)[self._links]
+        viscous, coulomb = self.value("dof_damping", simulation), self.value("dof_frictionloss", simulation)
+        return (mass / self._mass)[None], viscous[None], coulomb[None]
 
     def _calibrate(self, rows: Ids | slice) -> None:
         """Recompute the contact parameters, so that the springs keep their values when masses change."""

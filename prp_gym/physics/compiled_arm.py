@@ -49,10 +49,6 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
         self._plants, self._surfaces = Plants(num_simulations, self._library), Surfaces(num_simulations)
         self._begin(self._plants.rows, self._surfaces.rows)
 
-    def reverse_source(self) -> str:
-        """See `CompiledSimulation.reverse_source`."""
-        return arm_derivatives_source(self.timestep)
-
     @property
     def timestep(self) -> float:
         """See `Simulation.timestep`."""
@@ -94,11 +90,24 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
         self._plants.set(ids, mass_factor, viscous_friction, coulomb_friction)
         self.world.friction = self._plants.have_coulomb_friction
 
+    def has_surface(self, simulation: int = 0) -> bool:
+        """See `ArmSimulation.has_surface`."""
+        return self._surfaces.is_set(simulation)
+
+    def dynamics(self, simulation: int = 0) -> tuple[Array, Array, Array]:
+        """See `ArmSimulation.dynamics`."""
+        return self._plants.dynamics(simulation)
+
+    @property
+    def derivatives_source(self) -> str:
+        """See `CompiledSimulation.derivatives_source`."""
+        return arm_derivatives_source(self.settings.timestep)
+
     def in_mujoco(self, simulation: int) -> Physics:
         """See `CompiledSimulation.in_mujoco`."""
         physics, row = Physics(settings=self.settings), np.zeros(1, dtype=np.intp)
-        physics.set_dynamics(row, *self._plants.dynamics(simulation))
-        if self._surfaces.is_set(simulation):
+        physics.set_dynamics(row, *self.dynamics(simulation))
+        if self.has_surface(simulation):
             physics.set_surface(row, self.surface(simulation), self._surfaces.center(simulation))
         one = slice(simulation, simulation + 1)
         physics.reset(row, self._position[one], self._velocity[one])

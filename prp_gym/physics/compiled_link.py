@@ -1,74 +1,22 @@
 """`CompiledLink`: simulations of the one-joint link in closed form, in code compiled from the formulas."""
 
 from collections.abc import Mapping
-from functools import cache
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from prp_gym.physics.abstract_simulation import LinkSimulation
+from prp_gym.physics.compiled_link_source import link_source
 from prp_gym.physics.compiled_simulation import CompiledSimulation
+from prp_gym.physics.derivatives_source import link_derivatives_source
 from prp_gym.physics.link_mjcf import HINGE_HEIGHT, LINK_LENGTH
 from prp_gym.physics.link_simulation import LinkPhysics
 from prp_gym.physics.model_fields import Ids, check_link
 from prp_gym.physics.scene import check_timestep
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import NOMINAL_LINK
-from prp_gym.symbolic.c_source import PREAMBLE, c_function
-from prp_gym.symbolic.derivatives import transposed
-from prp_gym.symbolic.function import SymbolicFunction, trace
 
 _PLANTS = "plants"
-_HAND_WRITTEN = ("compiled_world.h", "compiled_link.c")
-_REVERSE = "compiled_link_reverse.c"
-
-
-def link_step(q: Array, velocity: Array, torque: Array, plant: Array, timestep: float) -> tuple[Array, Array]:
-    """Position and velocity of links (..., 1) a step later: (I + h F) q̇' = I q̇ + h (τ - G sin q).
-
-    Args:
-        q: joint position (..., 1) [rad].
-        velocity: joint velocity (..., 1) [rad/s].
-        torque: τ (..., 1) [N m].
-        plant: I, F and G (..., 3) [kg m^2, N m s/rad, N m].
-        timestep: h [s].
-
-    Source: [R] 8.1; [M] Computation, Numerical integration.
-    """
-    inertia, friction, gravity = plant[..., :1], plant[..., 1:2], plant[..., 2:]
-    force = torque - friction * velocity - gravity * np.sin(q)
-    velocity = velocity + timestep * (force / (inertia + timestep * friction))
-    return q + timestep * velocity, velocity
-
-
-@cache
-def link_source(timestep: float) -> str:
-    """The C source of simulations with a duration of steps [s]."""
-    loop = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
-    return "\n".join([PREAMBLE, c_function(_traced_step(timestep)), *loop])
-
-
-@cache
-def link_derivatives_source(timestep: float) -> str:
-    """The C source of the derivatives of a step, to stand after `link_source(timestep)`.
-
-    Args:
-        timestep: duration of a step [s].
-    """
-    wanted = ("q", "velocity", "torque")
-    reverse = c_function(transposed(_traced_step(timestep), "prp_link_step_transposed", wanted))
-    return "\n".join([reverse, Path(__file__).with_name(_REVERSE).read_text(encoding="utf-8")])
-
-
-@cache
-def _traced_step(timestep: float) -> SymbolicFunction:
-    def step(q: Any, velocity: Any, torque: Any, plant: Any) -> Mapping[str, Any]:
-        later, faster = link_step(q, velocity, torque, plant, timestep)
-        return {"later": later, "faster": faster}
-
-    shapes = {"q": (1,), "velocity": (1,), "torque": (1,), "plant": (3,)}
-    return trace("prp_link_step", step, shapes)
 
 
 class CompiledLink(CompiledSimulation, LinkSimulation):
@@ -93,10 +41,6 @@ class CompiledLink(CompiledSimulation, LinkSimulation):
         self._plants = np.tile(np.array(nominal), (num_simulations, 1))
         self._begin(self._plants, np.zeros((num_simulations, 1)))
 
-    def reverse_source(self) -> str:
-        """See `CompiledSimulation.reverse_source`."""
-        return link_derivatives_source(self.timestep)
-
     @property
     def timestep(self) -> float:
         """See `Simulation.timestep`."""
@@ -120,6 +64,16 @@ class CompiledLink(CompiledSimulation, LinkSimulation):
         """See `LinkSimulation.set_parameters`."""
         check_link(ids, inertia, viscous_friction, gravity_moment)
         self._plants[ids] = np.stack([inertia, viscous_friction, gravity_moment], axis=-1)
+
+    def parameters_of(self, simulation: int) -> tuple[Array, Array, Array]:
+        """See `LinkSimulation.parameters_of`."""
+        inertia, viscous_friction, gravity_moment = self._plants[simulation : simulation + 1].T.copy()
+        return inertia, viscous_friction, gravity_moment
+
+    @property
+    def derivatives_source(self) -> str:
+        """See `CompiledSimulation.derivatives_source`."""
+        return link_derivatives_source(self._timestep)
 
     def in_mujoco(self, simulation: int) -> LinkPhysics:
         """See `CompiledSimulation.in_mujoco`."""

@@ -119,6 +119,11 @@ class CompiledSimulation(Simulation):
         else:
             self._within_limits = all(self._over_rows(function))
 
+    @property
+    @abstractmethod
+    def derivatives_source(self) -> str:
+        """C source of `prp_step_reverse` and `prp_measured_reverse`, to stand after `source`."""
+
     @abstractmethod
     def _fields(self) -> dict[str, Array]:
         """Copies of what differs between simulations besides their state, by name."""
@@ -126,10 +131,6 @@ class CompiledSimulation(Simulation):
     @abstractmethod
     def _restore_fields(self, kept: Mapping[str, Array]) -> None:
         """Restore what `_fields` returned."""
-
-    @abstractmethod
-    def reverse_source(self) -> str:
-        """C source of `prp_step_reverse` and `prp_measured_reverse`, to stand after `source`."""
 
     @abstractmethod
     def in_mujoco(self, simulation: int) -> Simulation:

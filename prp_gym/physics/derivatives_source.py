@@ -1,13 +1,13 @@
-"""The C source of exact derivatives of the arm's time step and measurement, after that of `arm_source`."""
+"""The C source of exact derivatives of time steps and measurements, after that of the simulations."""
 
 from functools import cache
 from pathlib import Path
 
 from prp_gym.physics.compiled_arm_source import SURFACE, arm_functions
+from prp_gym.physics.compiled_link_source import link_function
 from prp_gym.symbolic.c_source import c_function
 from prp_gym.symbolic.derivatives import transposed
 
-_HAND_WRITTEN = Path(__file__).with_name("compiled_arm_reverse.c")
 _WANTED = {
     "unconstrained": ("q", "velocity", "torque", "plant"),
     "friction_rows": ("q", "velocity", "plant"),
@@ -38,4 +38,33 @@ def arm_derivatives_source(timestep: float) -> str:
         for name, wanted in _WANTED.items()
     ]
     sizes = f"#include <string.h>\n#define PRP_NORMAL {SURFACE['normal'].start}\n"
-    return "\n".join([sizes, *reverse, _HAND_WRITTEN.read_text(encoding="utf-8")])
+    return "\n".join([sizes, *reverse, _text("compiled_arm_reverse.c")])
+
+
+@cache
+def link_derivatives_source(timestep: float) -> str:
+    """The same of the link, to stand after `link_source(timestep)`.
+
+    Args:
+        timestep: duration of a step [s].
+    """
+    wanted = ("q", "velocity", "torque")
+    reverse = c_function(transposed(link_function(timestep), "prp_link_step_transposed", wanted))
+    return "\n".join(["#include <string.h>", reverse, _text("compiled_link_reverse.c")])
+
+
+@cache
+def linearization_source(joint_count: int, measurement_size: int) -> str:
+    """The C source of `prp_linearize` and `prp_linearize_measurement`, to stand after the derivatives.
+
+    Args:
+        joint_count: number of joints.
+        measurement_size: largest number of columns of the measurement.
+    """
+    sizes = f"#define PRP_AXES {joint_count}\n#define PRP_MOST_MEASURED {measurement_size}\n"
+    return f"{sizes}\n{_text('compiled_linearization.c')}"
+
+
+def _text(name: str) -> str:
+    """The text of a file beside this one."""
+    return Path(__file__).with_name(name).read_text(encoding="utf-8")

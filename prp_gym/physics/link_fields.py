@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from mujoco.batch import Batch
 
-from prp_gym.physics.link_mjcf import mass_distribution
+from prp_gym.physics.link_mjcf import PointMass, inertia_and_gravity, mass_distribution
 from prp_gym.physics.model_fields import Ids, ModelFields, check_link
 from prp_gym.robot.arrays import Array
 
@@ -33,3 +33,10 @@ class LinkFields(ModelFields):
         self.batch.expand("body_inertia")[ids, self._link] = moment[:, None]
         self.batch.expand("dof_damping")[ids, 0] = viscous_friction
         self.batch.set_const(ids)
+
+    def parameters_of(self, simulation: int) -> tuple[Array, Array, Array]:
+        """See `LinkSimulation.parameters_of`."""
+        names = ("body_mass", "body_ipos", "body_inertia")
+        mass, center, moment = (self.value(name, simulation)[None, self._link] for name in names)
+        inertia, gravity_moment = inertia_and_gravity(PointMass(mass, center, moment[:, 0]))
+        return inertia, self.value("dof_damping", simulation), gravity_moment

@@ -55,6 +55,12 @@ def mass_distribution(inertia: Array, gravity_moment: Array) -> PointMass:
     return PointMass(mass, center, inertia - mass * distance**2)
 
 
+def inertia_and_gravity(body: PointMass) -> tuple[Array, Array]:
+    """I (...) [kg m^2] and G (...) [N m] of the body that `mass_distribution` returned."""
+    distance = -body.center[..., 2]
+    return body.moment + body.mass * distance**2, body.mass * _GRAVITY * distance
+
+
 def link_to_mjcf(parameters: LinkParameters = NOMINAL_LINK, timestep: float = 0.001) -> str:
     """The link and its scene as an MJCF document.
 

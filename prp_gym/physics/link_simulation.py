@@ -71,3 +71,7 @@ class LinkPhysics(BatchSimulation, LinkSimulation):
     ) -> None:
         """See `LinkSimulation.set_parameters`."""
         self._fields.set_parameters(ids, inertia, viscous_friction, gravity_moment)
+
+    def parameters_of(self, simulation: int) -> tuple[Array, Array, Array]:
+        """See `LinkSimulation.parameters_of`."""
+        return self._fields.parameters_of(simulation)

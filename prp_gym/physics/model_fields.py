@@ -103,6 +103,11 @@ class ModelFields:
     def __init__(self, batch: Batch) -> None:
         self.batch = batch
 
+    def value(self, name: str, simulation: int) -> Array:
+        """A copy of the field of one simulation."""
+        own = self.batch.expanded(name)
+        return np.array(getattr(self.batch.model, name) if own is None else own[simulation])
+
     def copy(self) -> dict[str, Array]:
         """Values of all fields that differ, by name."""
         fields = {name: self.batch.expanded(name) for name in self.names}

@@ -109,3 +109,11 @@ class Physics(BatchSimulation, ArmSimulation):
     ) -> None:
         """See `ArmSimulation.set_dynamics`."""
         self._fields.set_dynamics(ids, mass_factor, viscous_friction, coulomb_friction)
+
+    def has_surface(self, simulation: int = 0) -> bool:
+        """See `ArmSimulation.has_surface`."""
+        return self._fields.has_surface(simulation)
+
+    def dynamics(self, simulation: int = 0) -> tuple[Array, Array, Array]:
+        """See `ArmSimulation.dynamics`."""
+        return self._fields.dynamics(simulation)

@@ -89,10 +89,11 @@ class Arms:
         """State after some steps, and its measurement."""
         parts = [part.copy() for part in np.split(given, np.cumsum(list(SIZES.values()))[:-1])]
         measured, beyond, lost = np.zeros(self.width), np.zeros(3), np.zeros(1, dtype=np.uint8)
-        world, arrays = self.physics.world, (*parts, measured, beyond, lost)
+        world, arrays = self.physics.world, [*parts, measured, beyond]
         world.substeps = substeps
         addresses = (ctypes.c_void_p(array.ctypes.data) for array in arrays)
-        self.library.prp_advance(ctypes.c_long(0), ctypes.c_long(1), None, ctypes.byref(world), *addresses)
+        function, last = self.library.prp_advance, ctypes.c_void_p(lost.ctypes.data)
+        function(ctypes.c_long(0), ctypes.c_long(1), None, ctypes.byref(world), *addresses, last)
         return np.concatenate(parts[:2]), measured
 
     def zones(self, given: Array) -> Array:
