@@ -51,7 +51,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
     "viewing": ("envs", "baselines", "agents", "tuning", "reproduction", "runs"),
     "cli": (
-        *("envs", "baselines", "agents", "action_modes", "tuning", "reproduction"),
+        *("envs", "baselines", "agents", "linearization", "action_modes", "tuning", "reproduction"),
         *("console", "runs", "recording", "comparison", "viewing"),
     ),
 }

@@ -88,3 +88,14 @@ def test_eigenvalues_tell_a_stable_loop_from_a_robot_without_one() -> None:
     assert np.abs(np.linalg.eigvals(model.A_cl)).max() < 1.0
     assert free.A_cl is None
     assert np.abs(np.linalg.eigvals(free.A)).max() > 1.0 - 1e-6  # joint 1 turns freely
+
+
+def test_inverse_dynamics_leaves_a_double_integrator_in_each_joint() -> None:
+    """With the exact model at every time step: v' = v - h (K_P x + K_D v), x' = x + h v', in any pose."""
+    keywords = {"scenario": "randomized", "control_frequency": 1000, "gains": "fast"}
+    loop = Loop("PRP-JointTracking-v0", "joint_inverse_dynamics", 300, engine="compiled", **keywords)
+    model, h, stiffness, damping = loop.linearized(), 0.001, 500.0, 35.0
+    one = np.array([[1.0 - h * h * stiffness, h - h * h * damping], [-h * stiffness, 1.0 - h * damping]])
+    assert model.A_cl is not None
+    # a torque rounded to single precision accelerates by 1e-7 of the intended, which depends on the pose
+    assert model.A_cl == pytest.approx(np.kron(one, np.eye(3)), abs=1e-7)
