@@ -184,7 +184,17 @@ def test_a_search_does_not_go_on_with_the_trials_of_another_engine(short: None, 
 @needs_compiler
 def test_all_searches_have_the_engine(short: None, tmp_path: Path) -> None:
     output, _ = run(
-        *("tune-all", "--env", "PRP-Adaptive-v0", "--baseline", "joint_pd", "--budget", "4800", "--jobs", "1"),
+        *(
+            "tune-all",
+            "--env",
+            "PRP-Adaptive-v0",
+            "--baseline",
+            "joint_pd",
+            "--budget",
+            "4800",
+            "--jobs",
+            "1",
+        ),
         *("--engine", COMPILED, "--output", str(tmp_path)),
     )
     assert "validation of the searches, engine compiled" in output
