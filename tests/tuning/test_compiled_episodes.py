@@ -116,10 +116,11 @@ def test_action_that_is_not_finite_ends_an_episode_as_in_the_loop(monkeypatch: p
 
 def test_policy_that_compiled_code_cannot_run_is_run_by_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     with closing(made("PRP-JointTracking-v0", "randomized", duration=0.1)) as env:
-        policies = [Scripted({1: 5}, 0.5), make_baseline("joint_pd", env), Scripted({}, 0.0)]
+        plain: Policy = make_baseline("joint_pd", env)
+        policies = [Scripted({1: 5}, 0.5), plain, Scripted({}, 0.0)]
         assert compiled_only(policies, env) == [1]
         found = Episodes(env, SEEDS).run_all(policies)
-        again = [Scripted({1: 5}, 0.5), policies[1], Scripted({}, 0.0)]  # which count their calls
+        again = [Scripted({1: 5}, 0.5), plain, Scripted({}, 0.0)]  # which count their calls
         assert_same(found, looped(env, again, monkeypatch))
 
 
