@@ -22,7 +22,6 @@ class ReversibleController(CompiledController):
 
     Attributes:
         reverse: address of the reverse of the function.
-        first_observation: first observations (N, size).
 
     Raises:
         UntraceableError: a controller that uses more than arithmetic on arrays, keeps anything but its
@@ -34,7 +33,6 @@ class ReversibleController(CompiledController):
 
     def __init__(self, controller: Any, observation: Array) -> None:
         super().__init__(controller, observation)
-        self.first_observation = observation
         self.reverse = ctypes.cast(self._library[_REVERSE], ctypes.c_void_p)
 
     def _functions(self, traced: LiftedFunction) -> tuple[SymbolicFunction, ...]:

@@ -1,25 +1,16 @@
 """`score_gradient`: the derivatives of a controller's score by its settings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
-from prp_gym.baselines.base.settings import Settings
-from prp_gym.envs.action_mode import TORQUE
-from prp_gym.envs.core.compiled_gradient import CompiledGradients, EpisodeGradients
-from prp_gym.envs.core.make_loop import make_loop
-from prp_gym.errors import InvalidValueError, NonFiniteError, UntraceableError
-from prp_gym.evaluation.compiled_controller import CONSTANTS, ControllerFormula
-from prp_gym.gradients.reversible_controller import ReversibleController
+from prp_gym.gradients.differentiated_episodes import DifferentiatedEpisodes
 from prp_gym.gradients.settings_derivative import by_settings
 from prp_gym.robot.arrays import Array
-from prp_gym.symbolic.lifting import numbers_of
-from prp_gym.tasks.setup import COMPILED
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,54 +64,12 @@ def score_gradient(env: gymnasium.Env[Any, Any], controller: Any, seeds: Sequenc
 
     Source: Griewank 2008, 3.2.
     """
-    if not len(seeds):
-        raise InvalidValueError("seeds", "[]", "at least one")
-    found, reversible = _differentiated(env.unwrapped, controller, seeds)
-    if (found.ended < 0).any():
-        raise NonFiniteError("action", found.ended)
+    episodes = DifferentiatedEpisodes(env, controller, seeds)
+    declared = getattr(controller, "settings", None) is not None
     return ScoreGradient(
         tuple(int(seed) for seed in seeds),
-        found.score,
-        _by_setting(controller, reversible, found),
-        found.by_numbers.mean(axis=0),
-        found.ended > 0,
+        episodes.scores,
+        by_settings(episodes, controller) if declared else {},
+        episodes.by_number,
+        episodes.ended > 0,
     )
-
-
-def _differentiated(
-    inner: Any, controller: Any, seeds: Sequence[int]
-) -> tuple[EpisodeGradients, ReversibleController]:
-    """The episodes of some seeds with their derivatives, and the controller in compiled code."""
-    if inner.action_mode != TORQUE:
-        raise InvalidValueError(
-            "action_mode", inner.action_mode, f"{TORQUE!r}, for a controller's derivatives"
-        )
-    if not getattr(type(controller), "compiled", False):
-        raise UntraceableError(f"{type(controller).__name__} computes its actions in its own predict method.")
-    loop = make_loop(inner.make_task, replace(inner.config, engine=COMPILED), len(seeds), num_threads=0)
-    rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
-    observation = loop.reset(np.arange(len(seeds)), rngs, {})
-    reversible = ReversibleController(controller, observation)
-    return CompiledGradients(loop).run(reversible, observation), reversible
-
-
-def _by_setting(
-    controller: Any, reversible: ReversibleController, found: EpisodeGradients
-) -> dict[str, Array]:
-    """The derivatives of the mean score by the settings, through numbers and initial state."""
-    if not isinstance(getattr(controller, "settings", None), Settings):
-        return {}
-    observation = reversible.first_observation
-    observed = controller.interface.layout.split(observation)
-    rows, formula = len(observation), ControllerFormula(controller, observation)
-
-    def read(other: Any) -> Array:
-        state = formula.row(other.initial_state(observed), rows)
-        return np.concatenate([numbers_of(other, CONSTANTS), state.ravel()])
-
-    weights = np.concatenate([found.by_numbers.mean(axis=0), found.by_state.ravel() / rows])
-    derivatives = by_settings(controller, read)
-    return {
-        name: (derivative @ weights).reshape(np.shape(getattr(controller.settings, name)))
-        for name, derivative in derivatives.items()
-    }

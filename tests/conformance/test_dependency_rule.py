@@ -40,7 +40,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "envs": (),
     "baselines": (),
     "agents": ("envs",),
-    "gradients": ("envs", "baselines"),
+    "gradients": ("envs",),
     "linearization": ("envs",),
     "action_modes": ("envs", "baselines"),
     "tuning": ("baselines", "gradients"),

@@ -1,0 +1,91 @@
+"""`DifferentiatedEpisodes`: scores of episodes, and how they change with a controller to first order."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.utils import seeding
+
+from prp_gym.envs.action_mode import TORQUE
+from prp_gym.envs.core.compiled_gradient import CompiledGradients
+from prp_gym.envs.core.make_loop import make_loop
+from prp_gym.errors import InvalidValueError, NonFiniteError, UntraceableError
+from prp_gym.evaluation.compiled_controller import CONSTANTS, ControllerFormula
+from prp_gym.gradients.reversible_controller import ReversibleController
+from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.lifting import numbers_of, structure_of
+from prp_gym.tasks.setup import COMPILED
+
+
+class DifferentiatedEpisodes:
+    """Episodes of a controller, one for each seed, with the derivatives of their scores.
+
+    Args:
+        env: environment of this suite with joint torques as actions, wrapped or not, of either engine.
+        controller: controller for this environment, whose formulas can be traced.
+        seeds: seeds of the episodes, at least one.
+
+    Attributes:
+        scores: score of each episode (N).
+        ended: control period (N), counted from 1, in which an episode diverged; 0 for none.
+        by_number: derivatives of the mean score by the numbers that the controller keeps (P).
+
+    Raises:
+        InvalidValueError: no seeds; an environment with another action mode.
+        UntraceableError: a task or controller whose formulas cannot be traced.
+        NonFiniteError: an action that is not finite.
+        CompilerError: no compiler.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, Any], controller: Any, seeds: Sequence[int]) -> None:
+        inner: Any = env.unwrapped
+        _check(inner, controller, seeds)
+        loop = make_loop(inner.make_task, replace(inner.config, engine=COMPILED), len(seeds), num_threads=0)
+        rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
+        self._observation = loop.reset(np.arange(len(seeds)), rngs, {})
+        found = CompiledGradients(loop).run(
+            ReversibleController(controller, self._observation), self._observation
+        )
+        if (found.ended < 0).any():
+            raise NonFiniteError("action of the periods", (-found.ended[found.ended < 0]).tolist())
+        self.scores, self.ended = found.score, found.ended
+        self.by_number: Array = found.by_numbers.mean(axis=0)
+        self._weights = np.concatenate([self.by_number, found.by_state.ravel() / len(seeds)])
+        self._formula = ControllerFormula(controller, self._observation)
+
+    def difference(self, more: Any, less: Any) -> float | None:
+        """The difference of the mean scores of two controllers nearby, to first order.
+
+        Args:
+            more: a controller with the numbers and the initial state that the score is differentiated by.
+            less: another one.
+
+        Returns:
+            the difference; None for controllers of another structure than each other, such as one with an
+            integral action and one without.
+        """
+        if structure_of(more, CONSTANTS) != structure_of(less, CONSTANTS):
+            return None
+        above, below = self._read(more), self._read(less)
+        equal = above == below  # infinite ones among them
+        return float(np.where(equal, 0.0, above - np.where(equal, 0.0, below)) @ self._weights)
+
+    def _read(self, controller: Any) -> Array:
+        """The numbers of a controller and its state in the first period of each episode."""
+        observed = controller.interface.layout.split(self._observation)
+        state = self._formula.row(controller.initial_state(observed), len(self._observation))
+        return np.concatenate([numbers_of(controller, CONSTANTS), state.ravel()])
+
+
+def _check(inner: Any, controller: Any, seeds: Sequence[int]) -> None:
+    """Refuse what has no derivatives."""
+    if not len(seeds):
+        raise InvalidValueError("seeds", "[]", "at least one")
+    if inner.action_mode != TORQUE:
+        raise InvalidValueError(
+            "action_mode", inner.action_mode, f"{TORQUE!r}, for a controller's derivatives"
+        )
+    if not getattr(type(controller), "compiled", False):
+        raise UntraceableError(f"{type(controller).__name__} computes its actions in its own predict method.")
