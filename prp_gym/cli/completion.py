@@ -48,6 +48,13 @@ def engines(incomplete: str) -> list[str]:
     return _starting(ENGINES, incomplete)
 
 
+def methods(incomplete: str) -> list[str]:
+    """Names of the methods of a search that start with a text."""
+    from prp_gym.tuning.task import METHODS
+
+    return _starting(METHODS, incomplete)
+
+
 def action_modes(incomplete: str) -> list[str]:
     """Names of the action modes that start with a text."""
     from prp_gym.action_modes import ACTION_MODES

@@ -49,7 +49,7 @@ from prp_gym.tables.column import text_column
 from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.setup import MUJOCO
-from prp_gym.tuning.task import TuningTask
+from prp_gym.tuning.task import METHODS, SAMPLING, TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tuned_controller import TunedController
 
@@ -64,6 +64,14 @@ Like = Annotated[
     typer.Option(
         help="In place of --budget: an agent, name or path, whose simulated time is the budget.",
         autocompletion=completion.agents,
+    ),
+]
+Method = Annotated[
+    str,
+    typer.Option(
+        help=f"How candidates are found: {', '.join(METHODS)}. The second follows the exact derivatives of "
+        "the score by all settings, in compiled code; it needs a C compiler.",
+        autocompletion=completion.methods,
     ),
 ]
 
@@ -81,6 +89,7 @@ def tune_command(
     gains: StartGains = None,
     settings: Settings = None,
     engine: Engine = MUJOCO,
+    method: Method = SAMPLING,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -104,7 +113,8 @@ def tune_command(
     if gains is None:
         choice = with_start_gains(choice, controllers, environment_id, control_frequency)
     task = TuningTask(
-        *(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes, seed, engine)
+        *(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes),
+        *(seed, engine, method),
     )
     terminal = Terminal.of(quiet, as_json, form)
     folder = ResultFolder.choose("tune", output, name, [key_of(task), asdict(choice)], goes_on=resume)

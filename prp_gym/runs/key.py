@@ -4,8 +4,10 @@ from dataclasses import Field, asdict
 from typing import Any, ClassVar, Protocol
 
 from prp_gym.tasks.setup import MUJOCO
+from prp_gym.tuning.task import SAMPLING
 
-_ENGINE = "engine"
+_LATER = {"engine": MUJOCO, "method": SAMPLING}
+"""Fields that were added later, with the value for which results that were stored before stand."""
 
 
 class Dataclass(Protocol):
@@ -17,10 +19,11 @@ class Dataclass(Protocol):
 def key_of(settings: Dataclass) -> dict[str, Any]:
     """The fields of a job or of a search by name.
 
-    The engine is one of them unless it is MuJoCo: what was stored before there were others has none.
+    Fields that were added later are among them unless they have their first value: what was stored before
+    has none.
 
     Args:
         settings: all that a result depends on, besides the code.
     """
     known = asdict(settings)
-    return {name: value for name, value in known.items() if (name, value) != (_ENGINE, MUJOCO)}
+    return {name: value for name, value in known.items() if name not in _LATER or value != _LATER[name]}

@@ -20,11 +20,13 @@ from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import make_environment
 from prp_gym.runs.key import key_of
 from prp_gym.runs.tuning_candidates import list_candidates
+from prp_gym.tuning.gradient_objective import GradientObjective
+from prp_gym.tuning.gradient_study import GradientStudy
 from prp_gym.tuning.journal import JOURNAL
 from prp_gym.tuning.objective import Objective, ScenarioCandidates
 from prp_gym.tuning.stored_scores import VALIDATION, StoredScores
 from prp_gym.tuning.stored_study import StoredStudy
-from prp_gym.tuning.task import TuningTask
+from prp_gym.tuning.task import GRADIENT, TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tune import Tuned, tune
 from prp_gym.tuning.tuned_controller import TunedController, read_tuned_controller
@@ -95,7 +97,8 @@ class Search:
             stack.enter_context(controllers.reported(self.choice, envs[0]))
             stack.enter_context(kept_if_interrupted(lambda: self._kept(study)))
             on_start(study.trials)
-            training = Objective(conditions, self.task.first_seed, self.task.episodes)
+            kind = GradientObjective if self.task.method == GRADIENT else Objective
+            training = kind(conditions, self.task.first_seed, self.task.episodes)
             tuned = tune(self.task, training, study, on_trial)
             on_validation()
             choice = choose(
@@ -118,7 +121,8 @@ class Search:
         """The trials of the search, those of an interrupted run among them."""
         space = conditions[0].candidates.space
         try:
-            return StoredStudy(self.folder, space, self.key, self.task.seed, resume=True)
+            kind = GradientStudy if self.task.method == GRADIENT else StoredStudy
+            return kind(self.folder, space, self.key, self.task.seed, resume=True)
         except InvalidValueError as error:
             remedy = "; --fresh removes it and starts over, and --output names another folder"
             raise InvalidValueError(error.what, error.value, error.allowed + remedy) from error
@@ -163,5 +167,6 @@ class Search:
             versions={**list_versions(), "optuna": version_of("optuna")},
             code=self.choice.facts.get("code", {}),
             engine=task.engine,
+            method=task.method,
         )
         return read_tuned_controller(to_plain(asdict(content)), self.folder / RESULT)

@@ -18,6 +18,7 @@ from prp_gym.files.file_reader import SETTINGS_SIZE, FileReader
 from prp_gym.files.toml_table import replace_table
 from prp_gym.files.toml_text import parse_toml
 from prp_gym.tasks.setup import MUJOCO
+from prp_gym.tuning.task import SAMPLING
 from prp_gym.tuning.tuned_controller import SEARCHES, TunedController, load_tuned_controller
 
 _DIGITS = 6  # of a factor on the target impedance: with it, settings are those validated within 5e-7
@@ -105,11 +106,12 @@ def gain_table(spec: ControllerSpec, tuned: TunedController, interface: ControlI
 def source_of(tuned: TunedController) -> str:
     """The search that found the gains, and its validation, in a sentence."""
     checked = tuned.validation
-    engine = "" if tuned.engine == MUJOCO else f" --engine {tuned.engine}"
+    options = "" if tuned.engine == MUJOCO else f" --engine {tuned.engine}"
+    options += "" if tuned.method == SAMPLING else f" --method {tuned.method}"
     scenarios = " and ".join(tuned.scenarios)
     return (
         f"prp-gym tune {tuned.controller} --env {tuned.environment} --budget {tuned.budget_steps} "
-        f"--seed {tuned.seed}{engine}: mean score over {scenarios} {checked.score:.4f}, before "
+        f"--seed {tuned.seed}{options}: mean score over {scenarios} {checked.score:.4f}, before "
         f"{checked.score_of_start:.4f}, on {checked.episodes} fresh episodes from seed {checked.seed}"
     )
 

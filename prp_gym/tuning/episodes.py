@@ -39,6 +39,9 @@ class Episodes:
         env: environment of this suite; its wrappers are ignored.
         seeds: seeds of the episodes, at least one.
 
+    Attributes:
+        horizon: control periods of an episode that does not end early.
+
     Raises:
         InvalidValueError: an environment of another suite.
     """
@@ -47,13 +50,13 @@ class Episodes:
         inner: Any = check_environment(env)
         self._seeds, self._inner = seeds, inner
         self._make_loop = cache(inner.make_loop)
-        self._horizon = int(inner.config.horizon)
+        self.horizon = int(inner.config.horizon)
         self._shape = tuple(inner.action_space.shape)
 
     @property
     def most_steps(self) -> int:
         """Control steps of all environments together where no episode ends early."""
-        return self._horizon * len(self._seeds)
+        return self.horizon * len(self._seeds)
 
     def run(self, policy: Policy) -> EpisodeScores:
         """The scores of a policy.
@@ -79,8 +82,8 @@ class Episodes:
 
     def _totalled(self, totals: CompiledTotals) -> EpisodeScores:
         """The scores of episodes that compiled code has run, each to its end or its divergence."""
-        steps = np.where(totals.ended > 0, totals.ended, self._horizon)
-        return EpisodeScores(totals.reward / self._horizon, int(steps.sum()))
+        steps = np.where(totals.ended > 0, totals.ended, self.horizon)
+        return EpisodeScores(totals.reward / self.horizon, int(steps.sum()))
 
     def _run_others(self, policies: Sequence[Policy]) -> list[EpisodeScores]:
         if policies and all(takes_batches(policy) for policy in policies):
@@ -102,7 +105,7 @@ class Episodes:
         acting = [_Acting(policy, (size, *self._shape)) for policy in policies]
         returns, steps = np.zeros(count), np.zeros(count, dtype=np.int64)
         alive = np.ones(count, dtype=np.bool_)
-        for _ in range(self._horizon):
+        for _ in range(self.horizon):
             parts = zip(
                 acting, np.split(observation, len(policies)), np.split(alive, len(policies)), strict=True
             )
@@ -115,7 +118,7 @@ class Episodes:
             steps[alive] += 1
             alive &= ~step.terminated
             observation = step.observation
-        scores = np.split(returns / self._horizon, len(policies))
+        scores = np.split(returns / self.horizon, len(policies))
         return [
             EpisodeScores(own, int(used.sum()))
             for own, used in zip(scores, np.split(steps, len(policies)), strict=True)

@@ -1,5 +1,6 @@
 """The journal of a search: what its lines may say, checked before Optuna reads them."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from json import JSONDecodeError, JSONDecoder
@@ -18,6 +19,7 @@ JOURNAL = "study.log"
 STUDY_NAME, KEY_OF_SEARCH = "tuning", "key"
 _REMEDY = "It is left as it is; to search anew, move it away or choose another folder with --output"
 _STUDY, _ATTRIBUTE, _TRIAL = 0, 2, 4  # Optuna's codes of the operations that a search writes
+SLOPES = "slopes"
 _ATTRIBUTES = frozenset(("steps", "seconds", "by_scenario", "stopped"))
 _COMPLETE = 1
 
@@ -155,7 +157,8 @@ def _check_line(path: Path, line: Any, space: Space) -> Mapping[str, Any]:
 def _check_trial(trial: TrialLine, space: Space) -> None:
     attributes = dict(trial.user_attrs)
     digest = attributes.pop(KEY, None)
-    if set(attributes) != _ATTRIBUTES or type(attributes["steps"]) is not int:
+    _check_slopes(attributes.get(SLOPES, {}), trial)
+    if set(attributes) - {SLOPES} != _ATTRIBUTES or type(attributes["steps"]) is not int:
         raise ValueError(f"its user_attrs are not {', '.join(sorted(_ATTRIBUTES))}")
     if type(attributes["seconds"]) not in (int, float) or attributes["steps"] < 0:
         raise ValueError("its steps or seconds are no numbers from 0 on")
@@ -173,6 +176,14 @@ def _check_trial(trial: TrialLine, space: Space) -> None:
     for name, (low, high) in bounds.items():
         if not low <= trial.params[name] <= high:
             raise ValueError(f"its parameter {name!r} is out of range")
+
+
+def _check_slopes(slopes: Any, trial: TrialLine) -> None:
+    names = set(trial.params)
+    if not isinstance(slopes, dict) or (slopes and set(slopes) != names):
+        raise ValueError(f"its {SLOPES} are not those of its parameters")
+    if not all(type(slope) is float and math.isfinite(slope) for slope in slopes.values()):
+        raise ValueError(f"its {SLOPES} are no finite numbers")
 
 
 def _read(path: Path, kind: type[Any], line: dict[str, Any]) -> Any:

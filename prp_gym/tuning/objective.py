@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import gymnasium
@@ -43,12 +44,30 @@ class CandidateScore(NamedTuple):
         steps: control steps that it uses of the budget.
         by_scenario: mean score over the episodes of each scenario that was run [1].
         stopped: whether scenarios were left out.
+        slopes: derivatives of the score, see `Trial`.
     """
 
     score: float
     steps: int
     by_scenario: tuple[float, ...]
     stopped: bool
+    slopes: Mapping[str, float] = MappingProxyType({})
+
+
+class ScenarioRun(NamedTuple):
+    """The episodes of a search in one scenario.
+
+    Attributes:
+        env: environment of the scenario.
+        candidates: candidates that are made for the environment.
+        seeds: seeds of the episodes.
+        episodes: the episodes.
+    """
+
+    env: gymnasium.Env[Any, Any]
+    candidates: Candidates
+    seeds: range
+    episodes: Episodes
 
 
 class Objective:
@@ -64,22 +83,27 @@ class Objective:
         first_seed: seed of the first episode.
         episodes: number of episodes, which are divided evenly among the scenarios and rounded up; a
             deterministic scenario has one.
+
+    Attributes:
+        episodes: number of episodes of a candidate.
+        runs: the episodes of each scenario.
     """
 
     def __init__(self, conditions: Sequence[ScenarioCandidates], first_seed: int, episodes: int) -> None:
         each = -(-episodes // len(conditions))
-        self._runs: list[tuple[Candidates, Episodes]] = []
+        self.runs: list[ScenarioRun] = []
         self.episodes = 0
         for env, candidates in conditions:
             first = first_seed + self.episodes
             count = episodes_to_run(env, each)
-            self._runs.append((candidates, Episodes(env, range(first, first + count))))
+            seeds = range(first, first + count)
+            self.runs.append(ScenarioRun(env, candidates, seeds, Episodes(env, seeds)))
             self.episodes += count
 
     @property
     def most_steps(self) -> int:
         """Control steps of a candidate of which no episode ends early."""
-        return sum(episodes.most_steps for _, episodes in self._runs)
+        return sum(run.episodes.most_steps for run in self.runs)
 
     def measure(self, proposals: Sequence[Mapping[str, float]], best: Trial | None) -> list[CandidateScore]:
         """Run candidates side by side, each to its end or until it is hopeless.
@@ -95,19 +119,19 @@ class Objective:
         """
         found: dict[int, CandidateScore] = {}
         running = [_Running(number) for number in range(len(proposals))]
-        for candidates, episodes in self._runs:
+        for _, candidates, _, episodes in self.runs:
             policies = []
             for item in list(running):
                 try:
                     policies.append(candidates.make(proposals[item.number]))
                 except PRPError:
-                    found[item.number] = CandidateScore(0.0, self.most_steps, (0.0,) * len(self._runs), False)
+                    found[item.number] = CandidateScore(0.0, self.most_steps, (0.0,) * len(self.runs), False)
                     running.remove(item)
             for item, outcome in zip(running, episodes.run_all(policies) if policies else [], strict=True):
                 item.means.append(_episode_mean(outcome.scores))
                 item.steps += outcome.steps
             for item in list(running):
-                whole = len(item.means) == len(self._runs)
+                whole = len(item.means) == len(self.runs)
                 if whole or (best is not None and _is_hopeless(item.means, best.by_scenario)):
                     found[item.number] = item.measured(None if whole else best)
                     running.remove(item)
@@ -120,7 +144,7 @@ class Objective:
             settings_of: functions that give accepted settings from the candidates of a scenario.
         """
         rows: list[list[list[float]]] = [[] for _ in settings_of]
-        for candidates, episodes in self._runs:
+        for _, candidates, _, episodes in self.runs:
             policies = [candidates.make_policy(settings(candidates)) for settings in settings_of]
             for own, outcome in zip(rows, episodes.run_all(policies), strict=True):
                 own.append(outcome.scores.tolist())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from prp_gym.artifacts import prepare_folder, require_folder
 from prp_gym.errors import DataFileError, InvalidValueError, MissingPackageError, OutputError
 from prp_gym.files.checksum import KEY
 from prp_gym.tuning.candidates import Space
-from prp_gym.tuning.journal import JOURNAL, KEY_OF_SEARCH, STUDY_NAME, read_key, trial_checksum
+from prp_gym.tuning.journal import JOURNAL, KEY_OF_SEARCH, SLOPES, STUDY_NAME, read_key, trial_checksum
 from prp_gym.tuning.local_step import is_local, local_step
 from prp_gym.tuning.search_space import Parameter
 from prp_gym.tuning.trial import Trial
@@ -60,6 +60,11 @@ class StoredStudy:
         seed: seed of the proposals.
         resume: whether to go on with the trials that are there, if any.
 
+    Attributes:
+        trials: finished trials in their order.
+        seed: seed of the proposals.
+        candidates_of_a_round: number of candidates in a round.
+
     Raises:
         MissingPackageError: Optuna is not installed.
         InvalidValueError: there are trials, and they are not to be resumed, or have another key.
@@ -67,9 +72,11 @@ class StoredStudy:
         OutputError: the folder cannot be made or written to.
     """
 
+    candidates_of_a_round: ClassVar[int] = ROUND
+
     def __init__(self, folder: Path, space: Space, key: Mapping[str, Any], seed: int, resume: bool) -> None:
         self._optuna = _import_optuna()
-        self._space, self._seed, self._key = space, seed, dict(key)
+        self._space, self.seed, self._key = space, seed, dict(key)
         self._journal = self._open_journal(folder, resume)
         if not self._journal.user_attrs:
             self._journal.set_user_attr(KEY_OF_SEARCH, self._key)
@@ -82,7 +89,7 @@ class StoredStudy:
     @property
     def known(self) -> list[Trial]:
         """The trials before the current round, on which its proposals depend."""
-        return self.trials[: _first_of_round(len(self.trials))]
+        return self.trials[: _first_of_round(len(self.trials), self.candidates_of_a_round)]
 
     def propose(self) -> list[dict[str, float]]:
         """The factors of the candidates that are left of the current round; the first round is the start."""
@@ -91,7 +98,8 @@ class StoredStudy:
             return [self._space.start]
         known = self.known
         parameters = self.ranges(known).parameters
-        return [self._propose(number, parameters, known) for number in range(index, len(known) + ROUND)]
+        numbers = range(index, len(known) + self.candidates_of_a_round)
+        return [self._propose(number, parameters, known) for number in numbers]
 
     def record(self, trial: Trial) -> None:
         """Keep a finished trial.
@@ -109,7 +117,7 @@ class StoredStudy:
     def _propose(
         self, index: int, parameters: Sequence[Parameter], known: Sequence[Trial]
     ) -> dict[str, float]:
-        seeds = np.random.SeedSequence((self._seed, index))
+        seeds = np.random.SeedSequence((self.seed, index))
         if is_local(index):
             return local_step(parameters, known, np.random.default_rng(seeds))
         return self._sample(parameters, known, int(seeds.generate_state(1)[0]))
@@ -142,12 +150,14 @@ class StoredStudy:
         distributions = self._distributions(self.ranges(self.trials).parameters)
         to_json = self._optuna.distributions.distribution_to_json
         plain = {name: to_json(item) for name, item in distributions.items()}
-        attributes = {
+        attributes: dict[str, Any] = {
             "steps": trial.steps,
             "seconds": trial.seconds,
             "by_scenario": list(trial.by_scenario),
             "stopped": trial.stopped,
         }
+        if trial.slopes:
+            attributes[SLOPES] = dict(trial.slopes)
         digest = trial_checksum(trial.score, trial.factors, plain, attributes)
         return self._frozen(trial, distributions, {**attributes, KEY: digest})
 
@@ -183,16 +193,18 @@ class StoredStudy:
         return study
 
 
-def _first_of_round(index: int) -> int:
-    """Index of the first trial in the round of a trial."""
-    return 0 if index == 0 else 1 + (index - 1) // ROUND * ROUND
+def _first_of_round(index: int, size: int) -> int:
+    """Index of the first trial in the round of a trial, of rounds of a size."""
+    return 0 if index == 0 else 1 + (index - 1) // size * size
 
 
 def _read(trial: optuna.trial.FrozenTrial) -> Trial:
     known = trial.user_attrs
     scores = tuple(float(score) for score in known["by_scenario"])
-    score = float(trial.values[0])
-    return Trial(dict(trial.params), score, known["steps"], known["seconds"], scores, known["stopped"])
+    score, slopes = float(trial.values[0]), known.get(SLOPES, {})
+    return Trial(
+        dict(trial.params), score, known["steps"], known["seconds"], scores, known["stopped"], slopes
+    )
 
 
 def _import_optuna() -> Any:

@@ -12,6 +12,10 @@ TRAINING_SEEDS = 1_000_000
 VALIDATION_SEED = 500_000_000
 """First seed of the episodes that no search uses."""
 
+SAMPLING, GRADIENT = "sampling", "gradient"
+METHODS = (SAMPLING, GRADIENT)
+"""How a search finds candidates: at random around good ones and by Optuna, or along derivatives."""
+
 _SEARCHES = VALIDATION_SEED // TRAINING_SEEDS - 1
 
 
@@ -29,9 +33,10 @@ class TuningTask:
             have the same episodes.
         seed: seed of the search and of its episodes.
         engine: engine of the environment, also in the validation.
+        method: how candidates are found: `sampling` or `gradient`.
 
     Raises:
-        UnknownNameError: an engine that does not exist.
+        UnknownNameError: an engine or a method that does not exist.
         InvalidValueError: a number that is not whole or too small, or too large a seed; no scenario, or one
             twice.
     """
@@ -44,9 +49,11 @@ class TuningTask:
     episodes: int = 24
     seed: int = 0
     engine: str = MUJOCO
+    method: str = SAMPLING
 
     def __post_init__(self) -> None:
         choice("engine", self.engine, ENGINES)
+        choice("method", self.method, METHODS)
         if not self.scenarios or len(set(self.scenarios)) < len(self.scenarios):
             raise InvalidValueError("scenarios", self.scenarios, "at least one, each once")
         for name, least, most in (

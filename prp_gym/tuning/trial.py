@@ -1,7 +1,7 @@
 """A candidate, and its score."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -15,6 +15,8 @@ class Trial:
         seconds: wall time of the trial [s].
         by_scenario: mean score over the episodes of each scenario that was run, in their order [1].
         stopped: whether further scenarios were left out, the candidate being far worse than the best one.
+        slopes: derivatives of the score by the logarithms of the factors, by the names of their parameters;
+            empty where the search does not use them, and for a candidate that was refused.
     """
 
     factors: Mapping[str, float]
@@ -23,6 +25,7 @@ class Trial:
     seconds: float
     by_scenario: tuple[float, ...] = ()
     stopped: bool = False
+    slopes: Mapping[str, float] = field(default_factory=dict)
 
 
 def best_trial(trials: Sequence[Trial]) -> Trial | None:

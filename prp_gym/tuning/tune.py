@@ -143,7 +143,10 @@ def tune(
         found = objective.measure(proposals, best_trial(study.known))
         seconds = (time.perf_counter() - before) / len(found)
         for factors, item in zip(proposals, found, strict=True):
-            trial = Trial(factors, item.score, item.steps, seconds, item.by_scenario, item.stopped)
+            trial = Trial(
+                *(factors, item.score, item.steps, seconds, item.by_scenario, item.stopped),
+                dict(item.slopes),
+            )
             study.record(trial)
             used += trial.steps
             on_trial(trial)

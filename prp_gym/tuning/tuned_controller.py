@@ -17,6 +17,7 @@ from prp_gym.files.typed_reader import TypedReader
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 from prp_gym.tasks.setup import ENGINES, MUJOCO
+from prp_gym.tuning.task import METHODS, SAMPLING
 from prp_gym.tuning.validation import Validation
 
 SEARCHES = "searches"
@@ -52,6 +53,7 @@ class TunedController:
         versions: versions of Python and of the packages that the result depends on.
         code: name and SHA-256 of a user's controller; empty for a registered one.
         engine: engine of the search and of its validation; MuJoCo in a file that names none.
+        method: method of the search; `sampling` in a file that names none.
     """
 
     environment: str
@@ -76,6 +78,7 @@ class TunedController:
     versions: Mapping[str, str]
     code: Mapping[str, str] = field(default_factory=dict)
     engine: str = MUJOCO
+    method: str = SAMPLING
 
     def make(self, env: Any) -> Baseline[Any]:
         """The controller with the settings that were found, as a policy for its environment.
@@ -154,7 +157,7 @@ def read_tuned_controller(content: Any, path: Path) -> TunedController:
 def _check(found: TunedController) -> None:
     """Refuse names that are not declared, and settings that the controller refuses."""
     named: list[tuple[str, str, Iterable[str]]] = [("environment", found.environment, list_envs())]
-    named.append(("engine", found.engine, ENGINES))
+    named += [("engine", found.engine, ENGINES), ("method", found.method, METHODS)]
     named += [("scenario", scenario, SCENARIOS) for scenario in found.scenarios]
     if not found.code:
         named.append(("controller", found.controller, CONTROLLERS))

@@ -25,8 +25,8 @@ from tests.support.synthetic_agents_to_compare import save
 RUNNER = CliRunner()
 TRACKING, FORCE = "PRP-JointTracking-v0", "PRP-Force-v0"
 SAME = 1e-6
-"""Largest difference of a score: rounding, and the tolerance of MuJoCo's solver where several constraints act,
-over the periods of an episode with stable control."""
+"""Largest difference of a score: rounding, and the tolerance of MuJoCo's solver where several constraints
+act, over the periods of an episode with stable control."""
 
 COMMANDS = {
     "evaluate": ["evaluate", "--env", TRACKING],
