@@ -246,7 +246,7 @@ def test_agent_says_with_which_engine_it_was_trained(tmp_path: Path) -> None:
 
 
 def test_training_with_mujoco_is_that_without_the_option(tmp_path: Path) -> None:
-    """So that runs of before go on, and a recipe's engine can be replaced."""
+    """So that runs of before go on."""
     run(*train_options("--output", str(tmp_path), "--jobs", "1"))
     output, error = run(*train_options("--output", str(tmp_path), "--jobs", "1", "--engine", MUJOCO))
     assert "1 of 1 seeds are finished." in error + output

@@ -2,10 +2,13 @@
 
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
 import prp_gym
+from prp_gym import controller, make_baseline
+from prp_gym.errors import ShapeError, UntraceableError
 from tests.linearization.periods import Loop, deviation, differences
 from tests.support.compiler import needs_compiler
 
@@ -34,8 +37,8 @@ LOOPS: dict[str, tuple[str, str, int, dict[str, Any]]] = {
 
 @pytest.mark.parametrize("name", LOOPS)
 def test_derivatives_of_the_closed_loop(name: str) -> None:
-    environment, controller, periods, keywords = LOOPS[name]
-    loop = Loop(environment, controller, periods, engine="compiled", **keywords)
+    environment, policy, periods, keywords = LOOPS[name]
+    loop = Loop(environment, policy, periods, engine="compiled", **keywords)
     model = loop.linearized()
     assert model.A_cl is not None
     assert model.closed_loop_state is not None
@@ -54,8 +57,8 @@ def test_derivatives_of_the_closed_loop(name: str) -> None:
 @pytest.mark.parametrize("name", LOOPS)
 @pytest.mark.parametrize("engine", ["compiled", "mujoco"])
 def test_the_next_state_is_that_of_the_environment(name: str, engine: str) -> None:
-    environment, controller, periods, keywords = LOOPS[name]
-    loop = Loop(environment, controller, periods, engine=engine, **keywords)
+    environment, policy, periods, keywords = LOOPS[name]
+    loop = Loop(environment, policy, periods, engine=engine, **keywords)
     model = loop.linearized()
     assert model.next_closed_loop_state is not None
     joints, after = len(loop.env.torque_limit), loop.next_period()
@@ -92,10 +95,40 @@ def test_eigenvalues_tell_a_stable_loop_from_a_robot_without_one() -> None:
 
 def test_inverse_dynamics_leaves_a_double_integrator_in_each_joint() -> None:
     """With the exact model at every time step: v' = v - h (K_P x + K_D v), x' = x + h v', in any pose."""
-    keywords = {"scenario": "randomized", "control_frequency": 1000, "gains": "fast"}
+    keywords: dict[str, Any] = {**RANDOMIZED, "control_frequency": 1000, "gains": "fast"}
     loop = Loop("PRP-JointTracking-v0", "joint_inverse_dynamics", 300, engine="compiled", **keywords)
     model, h, stiffness, damping = loop.linearized(), 0.001, 500.0, 35.0
     one = np.array([[1.0 - h * h * stiffness, h - h * h * damping], [-h * stiffness, 1.0 - h * damping]])
     assert model.A_cl is not None
     # a torque rounded to single precision accelerates by 1e-7 of the intended, which depends on the pose
     assert model.A_cl == pytest.approx(np.kron(one, np.eye(3)), abs=1e-7)
+
+
+@controller
+def springs(joint_position: Any, desired_joint_position: Any, *, gain: float = 60.0) -> Any:
+    """A function as a controller."""
+    return gain * (desired_joint_position - joint_position)
+
+
+@controller
+def branching(joint_position: Any) -> Any:
+    """A function that cannot be traced."""
+    return joint_position if joint_position.sum() > 0.0 else -joint_position
+
+
+def test_a_function_as_a_controller_closes_the_loop_with_its_gain() -> None:
+    env = gymnasium.make("PRP-JointTracking-v0", scenario="randomized", torque_limit=None)
+    env.reset(seed=2)
+    model = prp_gym.linearize(env, make_baseline(springs, env, gain=25.0))
+    assert model.A_cl is not None
+    assert model.A_cl == pytest.approx(model.A - 25.0 * model.B @ np.eye(3, 6), rel=1e-12, abs=1e-15)
+    assert len(model.closed_loop_names) == 6
+
+
+def test_a_controller_or_a_state_of_another_kind_is_refused() -> None:
+    env = gymnasium.make("PRP-JointTracking-v0", scenario="randomized")
+    env.reset(seed=2)
+    with pytest.raises(UntraceableError, match="branch"):
+        prp_gym.linearize(env, make_baseline(branching, env))
+    with pytest.raises(ShapeError, match="state"):
+        prp_gym.linearize(env, make_baseline("adaptive", env), state=(np.zeros(2),))

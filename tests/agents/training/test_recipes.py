@@ -108,6 +108,17 @@ def test_action_mode_of_the_entry_chooses_the_part(layers: Path) -> None:
     assert load_recipe("ppo", "PRP-Impedance-v0", "torque", config=layers).settings["gamma"] == 0.1
 
 
+def test_engine_of_a_recipe_can_be_replaced() -> None:
+    plain = load_recipe("ppo", "PRP-Adaptive-v0")
+    compiled = plain.with_engine("compiled")
+    written = load_recipe("ppo", "PRP-Adaptive-v0", overrides=["env_kwargs.engine=compiled"])
+    assert compiled == written
+    assert compiled.env_kwargs["engine"] == "compiled"
+    assert written.with_engine("mujoco") == plain.with_engine("mujoco") == plain
+    with pytest.raises(UnknownNameError, match="unknown engine 'bullet'"):
+        plain.with_engine("bullet")
+
+
 def test_group_is_named_after_algorithm_and_mode_as_a_folder_may_be(layers: Path) -> None:
     recipe = load_recipe("ppo", ID, "residual:impedance", config=layers)
     assert recipe.settings["batch_size"] == 5
