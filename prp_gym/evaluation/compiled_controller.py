@@ -1,6 +1,5 @@
 """`CompiledController`: the formulas of a controller as a compiled function."""
 
-import ctypes
 from typing import Any
 
 import numpy as np
@@ -9,21 +8,15 @@ from prp_gym.evaluation.policy_state import LARGEST
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
-from prp_gym.symbolic.array import SymbolicArray, untraceable
-from prp_gym.symbolic.c_source import PREAMBLE, c_function
-from prp_gym.symbolic.compiler import load_library
-from prp_gym.symbolic.graph import Graph, Node
-from prp_gym.symbolic.lifting import numbers_of, trace_method
-from prp_gym.symbolic.state_arrays import attributes, require_same
+from prp_gym.symbolic.array import untraceable
+from prp_gym.symbolic.compiled_method import CompiledMethod, of_arguments_alone
 from prp_gym.tasks.fields import ObservationLayout
 
 CONSTANTS = (PRPArm, Link, ObservationLayout)
 """Classes of objects whose numbers are constants of compiled code."""
 
-_NAME = "prp_controller_act"
 
-
-class CompiledController:
+class CompiledController(CompiledMethod):
     """A controller as a compiled function: observation, state, input and numbers -> action and state.
 
     Args:
@@ -31,9 +24,7 @@ class CompiledController:
         observation: first observations (N, size).
 
     Attributes:
-        numbers: numbers of the controller (P), its gains among them.
         initial_state: state at the start of an episode (N, size).
-        function: address of the compiled function.
 
     Raises:
         UntraceableError: a controller that uses more than arithmetic on arrays, or keeps anything but its
@@ -52,13 +43,9 @@ class CompiledController:
         self._kinds = [part.dtype for part in state]
         rows = [part.reshape(len(observation), -1).astype(np.float64) for part in state]
         self.initial_state = np.concatenate([np.zeros((len(observation), 0)), *rows], axis=1)
-        self.numbers = numbers_of(controller, CONSTANTS)
         shapes = {"observation": (1, layout.size), "state": (1, self.initial_state.shape[1]), "input": (1, 0)}
         kind = "act", tuple(self._shapes), tuple(map(str, self._kinds))
-        traced = trace_method(_NAME, self._act, controller, shapes, CONSTANTS, kind)
-        source = f"{PREAMBLE}\n{c_function(traced.function, linkage='')}"
-        self._library = load_library(source)
-        self.function = ctypes.cast(self._library[_NAME], ctypes.c_void_p)
+        super().__init__("prp_controller_act", self._act, controller, shapes, CONSTANTS, kind)
 
     def _act(self, controller: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
         """The traced formula."""
@@ -68,12 +55,12 @@ class CompiledController:
             last = first + int(np.prod(shape, dtype=np.intp))
             parts.append(state[:, first:last].reshape((1, *shape)).astype(kind))
             first = last
-        before = attributes(controller)
-        action, after = controller.act(observed, tuple(parts))
-        require_same(controller, before)
-        again = controller.act(observed, tuple(parts))
-        if _nodes(observation.graph, action, after) != _nodes(observation.graph, *again):
-            raise untraceable(f"what {type(controller).__name__} keeps outside of its state")
+
+        def call() -> list[Any]:
+            action, after = controller.act(observed, tuple(parts))
+            return [action, *after]
+
+        action, *after = of_arguments_alone(controller, call, observation)
         if action.shape != (1, *controller.interface.torque_limit.shape):
             raise untraceable(f"an action of shape {action.shape}")
         if [part.shape[1:] for part in after] != self._shapes:
@@ -86,9 +73,3 @@ def _refused(action: Any, after: Any) -> dict[str, Any]:
     kept = np.concatenate([part.astype(np.float64).reshape((1, -1)) for part in after], axis=1)
     allowed = (np.abs(kept) <= LARGEST).all(axis=1, keepdims=True)
     return {"action": np.where(allowed, action.astype(np.float64), np.nan), "after": kept}
-
-
-def _nodes(graph: Graph, action: Any, after: Any) -> list[Node]:
-    """The expressions of what `act` has returned; equal ones are the same."""
-    arrays = (SymbolicArray.of(graph, part.astype(np.float64)) for part in (action, *after))
-    return [node for array in arrays for node in array.flat()]
