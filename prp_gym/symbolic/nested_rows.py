@@ -60,7 +60,7 @@ class NestedRows:
                 raise untraceable("a memory whose structure changes")
         elif structure[0] is np.ndarray:
             _, shape, kind = structure
-            if np.shape(values) != (count, *shape) or not _is_of(kind, values):
+            if values.shape != (count, *shape) or not _is_of(kind, values):
                 raise untraceable("a memory whose arrays change their shapes or types")
             parts.append(values.astype(np.float64).reshape((count, _size(shape))))
         else:
