@@ -51,15 +51,15 @@ class Plan(ctypes.Structure):
         action: actions.
         saturated: whether an action is at a limit of its actuator, 0 or 1.
         observation: observations.
-        ground_truth: recorded ground present, of every period in the rows of an environment.
+        ground_truth: recorded ground truth, of every period in the rows of an environment.
         command: recorded torque command.
         applied: recorded applied torques.
         info: recorded `info`.
         reward: recorded reward.
         shares: factors of each number of `info`, then that of the reward, in the results of a step over all
             periods; null where these are not computed.
-        added: whether such a result is the sum over the periods, 0 or 1, for each number of `info`; the others
-            are those of the last period.
+        added: whether such a result is the sum over the periods, 0 or 1, for each number of `info`; others are
+            those of the last period.
         step_info: `info` of such a step.
         step_reward: reward of such a step.
     """

@@ -76,9 +76,7 @@ class PeriodSource:
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
         sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())
         loop = _HAND_WRITTEN.read_text(encoding="utf-8")
-        return "\n".join(
-            ["#include <string.h>", physics, sizes, PLAN, *map(c_function, functions), loop]
-        )
+        return "\n".join(["#include <string.h>", physics, sizes, PLAN, *map(c_function, functions), loop])
 
     def _traced_reference(self, task: Any) -> list[SymbolicFunction]:
         """From time to reference, where it can be traced and branches on none of its numbers."""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from prp_gym.errors import UntraceableError
-from prp_gym.symbolic.array import untraceable
+from prp_gym.symbolic.array import SymbolicArray, untraceable
 from prp_gym.symbolic.single_array import SingleArray
 
 _KINDS = (np.dtype(np.float64), np.dtype(np.float32), np.dtype(np.bool_))
@@ -60,7 +60,7 @@ class NestedRows:
                 raise untraceable("a memory whose structure changes")
         elif structure[0] is np.ndarray:
             _, shape, kind = structure
-            if values.shape != (count, *shape) or not _is_of(kind, values):
+            if not _is_of(kind, values) or values.shape != (count, *shape):
                 raise untraceable("a memory whose arrays change their shapes or types")
             parts.append(values.astype(np.float64).reshape((count, _size(shape))))
         else:
@@ -85,10 +85,10 @@ def _structure(values: Any, count: int) -> Any:
 
 
 def _is_of(kind: np.dtype[Any], values: Any) -> bool:
-    """Whether an array, of numbers or symbolic, has a type; truth values may have become symbolic numbers."""
+    """Whether a value is an array of a type; truth values may have become symbolic numbers."""
     if isinstance(values, np.ndarray):
         return bool(values.dtype == kind)
-    return isinstance(values, SingleArray) == (kind == np.float32)
+    return isinstance(values, SymbolicArray) and isinstance(values, SingleArray) == (kind == np.float32)
 
 
 def _leaves(structure: Any) -> list[Any]:

@@ -11,7 +11,7 @@ import pytest
 
 from prp_gym.action_modes import ACTION_MODES, register_action_mode
 from prp_gym.envs import PRPVectorEnv
-from prp_gym.envs.action_mode import ActionModeSpec
+from prp_gym.envs.action_mode import ActionMode, ActionModeSpec, ModeSetup
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import EpisodeError, NonFiniteError
 from prp_gym.tasks import SCENARIOS
@@ -199,19 +199,38 @@ class Infinite(LateMode):
         return np.where(after[:, :1] > 25.0, np.nan, torque), after
 
 
+class KeepingTask(LateMode):
+    """A mode that reads the numbers of the running episodes."""
+
+    def torque(self, action: Any, observation: Any, memory: Any, starts: Any) -> Any:
+        torque, after = super().torque(action, observation, memory, starts)
+        task = self.task  # type: ignore[attr-defined]
+        return torque * np.sign(task.reference(np.zeros(len(action)))[:, :1]), after
+
+
+class Entry(LateEntry):
+    """Makes modes that know their task."""
+
+    def make(self, ending: str, setup: ModeSetup) -> ActionMode:
+        mode = super().make(ending, setup)
+        object.__setattr__(mode, "task", setup.task)
+        return mode
+
+
 @pytest.fixture
 def registered() -> Iterator[Callable[[type[LateMode]], str]]:
     """Registers a kind of mode for one test."""
 
     def register(kind: type[LateMode]) -> str:
-        register_action_mode(ActionModeSpec("registered", "a mode of another package", LateEntry(kind)))
+        entry = Entry(kind) if kind is KeepingTask else LateEntry(kind)
+        register_action_mode(ActionModeSpec("registered", "a mode of another package", entry))
         return "registered"
 
     yield register
     ACTION_MODES.unregister("registered")
 
 
-@pytest.mark.parametrize("kind", [Branching, Counting, WithTable])
+@pytest.mark.parametrize("kind", [Branching, Counting, WithTable, KeepingTask])
 def test_mode_that_cannot_be_traced_is_computed_by_numpy(kind: type[LateMode], registered: Any) -> None:
     keywords = {**SHORT, "torque_limit": None}
     mode = registered(kind)
