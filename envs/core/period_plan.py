@@ -58,8 +58,8 @@ class Plan(ctypes.Structure):
         reward: recorded reward.
         shares: factors of each number of `info`, then that of the reward, in the results of a step over all
             periods; null where these are not computed.
-        added: whether such a result is the sum over the periods, 0 or 1, for each number of `info`; others are
-            those of the last period.
+        added: whether such a result is the sum over the periods, 0 or 1, for each number of `info`; the
+            others are those of the last period.
         step_info: `info` of such a step.
         step_reward: reward of such a step.
     """

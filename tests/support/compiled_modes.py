@@ -58,10 +58,10 @@ def assert_same_steps(ours: PRPVectorEnv, theirs: PRPVectorEnv, steps: int, seed
             again[0] = True
         if again.any():
             seeds = [step + 10 * index for index in range(count)]
-            found, expected = (
-                env.reset(seed=seeds, options={"reset_mask": again.copy()}) for env in (ours, theirs)
-            )
-            assert_same(found, expected, f"reset {step}")
+            begun = [
+                env.reset(seed=list(seeds), options={"reset_mask": again.copy()}) for env in (ours, theirs)
+            ]
+            assert_same(begun[0], begun[1], f"reset {step}")
         if step == 4:
             throw(ours, count - 1, 0.0037)
             throw(theirs, count - 1, 0.0037)

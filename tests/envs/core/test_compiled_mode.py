@@ -14,6 +14,7 @@ from prp_gym.envs import PRPVectorEnv
 from prp_gym.envs.action_mode import ActionMode, ActionModeSpec, ModeSetup
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import EpisodeError, NonFiniteError
+from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
 from tests.support.compiled_modes import (
     SHOWN,
@@ -140,14 +141,14 @@ def test_environments_that_diverge_in_a_period_or_wait_are_those_of_numpy(
     assert_same(ours.reset(seed=20), theirs.reset(seed=20), "reset")
     rng, ends = np.random.default_rng(1), 0
     for count in range(12):
-        periods = rng.choice([NEVER, NEVER, *range(1, 40)], 4)
-        action = np.stack([violent_in(periods), rng.uniform(-1.0, 1.0, 4)], axis=1)
+        when = [violent_in(period) for period in rng.choice([NEVER, NEVER, *range(1, 40)], 4).tolist()]
+        action: Array = np.stack([np.array(when), rng.uniform(-1.0, 1.0, 4)], axis=1)
         found, expected = ours.step(action), theirs.step(action)
         assert_same(found, expected, f"step {count}")
         ended, ends = found[2] | found[3], ends + int(found[2].sum())
         if autoreset == "Disabled" and ended.any():
             again = [env.reset(options={"reset_mask": ended.copy()}) for env in (ours, theirs)]
-            assert_same(*again, f"reset {count}")
+            assert_same(again[0], again[1], f"reset {count}")
     assert ends >= 4
     assert has_code(ours)
     assert not has_code(theirs)
