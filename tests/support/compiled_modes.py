@@ -29,7 +29,7 @@ def has_code(env: PRPVectorEnv) -> bool:
 
 def stepped_in_code(env: PRPVectorEnv) -> bool:
     """Whether the last step of a mode, after which nothing was reset or saved, was one of compiled code."""
-    return bool(env.loop._code_keeps_memory)  # type: ignore[attr-defined]
+    return has_code(env) and bool(env.loop._code_keeps_memory)  # type: ignore[attr-defined]
 
 
 def throw(env: PRPVectorEnv, index: int, ahead: float) -> None:

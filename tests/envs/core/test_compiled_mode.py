@@ -165,6 +165,20 @@ def test_environment_that_has_diverged_cannot_be_stepped() -> None:
         env.loop.step(np.zeros((2, 2)))
 
 
+def test_environment_that_waits_for_its_reset_is_left_as_it_is() -> None:
+    env = compiled(FORCE, STATEFUL, 2, **SHORT)
+    env.reset(seed=0)
+    action = np.ones((2, env.loop.action_size))
+    env.step(action)
+    env.step(action)
+    before = env.physics.joint_position.copy(), env.ground_truth
+    env.loop.step(action, np.array([True, False]))
+    assert stepped_in_code(env)
+    for old, new in zip(before, (env.physics.joint_position, env.ground_truth), strict=True):
+        assert_same(new[0], old[0], "the one that waits")
+        assert (new[1] != old[1]).any()
+
+
 class Branching(LateMode):
     """A mode that branches on an action."""
 
