@@ -1,5 +1,6 @@
 """Action modes: the declared fields of an action, its conversion to joint torques, and the registry."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from prp_gym.checks import choice, instance
 from prp_gym.errors import InvalidValueError
 from prp_gym.registry import NOT_IN_THE_REPORT, Registry
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, elementwise
 from prp_gym.robot.parameters import TORQUE_UNITS
 from prp_gym.tasks.fields import ObservationLayout
 
@@ -63,7 +64,9 @@ class ActionField:
     def value(self, action: Array) -> Array:
         """What components (..., size) in [-1, 1] mean, in the units."""
         bound = np.array(self.bound)
-        meant: Array = bound**action if self.factor else bound * action
+        if self.factor:
+            return elementwise(math.pow, np.broadcast_to(bound, action.shape), action)
+        meant: Array = bound * action
         return meant
 
 

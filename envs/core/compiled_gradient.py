@@ -92,7 +92,7 @@ class CompiledGradients(CompiledPeriods):
         address = ctypes.addressof(asked)
 
         def differentiate(first: int, count: int) -> bool:
-            if not self._library.prp_differentiate(first, count, self._address, address):
+            if not self._library.prp_differentiate(first, count, self.given.address, address):
                 raise MemoryError("not enough memory for the tape of an episode")
             return True
 

@@ -73,6 +73,18 @@ void prp_score(const prp_plan *plan)
 
 #if PRP_PHYSICS
 
+/* Add the results of the last period, the k-th from 0, to those of a step over several periods. */
+static inline void prp_add_up(const prp_plan *plan, long row, long k)
+{
+    const double *info = plan->info + PRP_INFO * row, reward = plan->reward[row] * plan->shares[PRP_INFO];
+    double *sums = plan->step_info + PRP_INFO * row;
+    plan->step_reward[row] = k ? plan->step_reward[row] + reward : reward;
+    for (int i = 0; i < PRP_INFO; i++) {
+        const double value = info[i] * plan->shares[i];
+        sums[i] = k && plan->added[i] != 0.0 ? sums[i] + value : value;
+    }
+}
+
 /* Periods of some environments, with a controller or with the actions that are given; see `PLAN` of
    period_source.py. Returns whether all of them are within limits at the end.
 
@@ -86,6 +98,8 @@ int prp_run(long first, long count, const prp_plan *plan)
         double *state = plan->state + plan->state_size * row, *action = plan->action + PRP_JOINTS * row;
         int within = !plan->lost[row];
         plan->ended[row] = 0;
+        if (plan->waiting && plan->waiting[row])
+            continue;
         for (long k = 0; k < plan->periods && !plan->lost[row]; k++) {
             if (plan->controller) {
                 plan->controller(
@@ -105,6 +119,8 @@ int prp_run(long first, long count, const prp_plan *plan)
             prp_after(plan, row, at, to);
             if (plan->total)
                 plan->total[row] += plan->reward[to];
+            if (plan->shares)
+                prp_add_up(plan, row, k);
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }

@@ -1,7 +1,6 @@
 """`CompiledPeriods`: control periods of N environments in one call of compiled code."""
 
 import ctypes
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,8 @@ from numpy.typing import NDArray
 from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.period_parts import TaskConstants
-from prp_gym.envs.core.period_source import LARGEST_STATE, PeriodSource, Plan
+from prp_gym.envs.core.period_plan import LARGEST_STATE, PeriodPlan, Plan
+from prp_gym.envs.core.period_source import PeriodSource
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
@@ -26,21 +26,25 @@ class CompiledPeriods:
     Args:
         loop: Loop of N environments with the compiled engine, all of which have been reset.
 
+    Attributes:
+        given: What the compiled code is given.
+        simulates: Whether it simulates, too.
+
     Raises:
         UntraceableError: a task whose formulas cannot be traced.
     """
 
     def __init__(self, loop: Any) -> None:
         self._loop, self._source = loop, self._make_source(loop)
-        self._simulates = isinstance(loop.physics, CompiledSimulation)
-        if not (self._simulates or self._source.is_exact):
+        self.simulates = isinstance(loop.physics, CompiledSimulation)
+        if not (self.simulates or self._source.is_exact):
             raise UntraceableError("formulas whose bits depend on the machine are left to NumPy.")
         self._constant = TaskConstants(loop.task.parts)
         self._library = load_library(self._source.text)
-        if self._simulates:
+        if self.simulates:
             self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
-        self._plan = Plan(rows=loop.num_envs, periods=1)
-        self._address, self._arrays = ctypes.byref(self._plan), dict[str, NDArray[Any]]()
+        self.given = PeriodPlan(Plan(rows=loop.num_envs, periods=1), {})
+        self._set, self._arrays, self._address = self.given.give, self.given.arrays, self.given.address
         self._parts = loop.period_parts()
         rows, parts = loop.num_envs, self._parts
         joints = ("torque", "beyond", "action", "saturated", "command", "applied")
@@ -58,19 +62,13 @@ class CompiledPeriods:
         self._set({name: np.zeros((rows, size)) for name, size in columns.items()})
         self._set({"clock": np.zeros(rows), "reward": np.zeros(rows), "ended": np.zeros(rows, dtype=np.intp)})
         self._set({"lost": np.zeros(rows, dtype=np.uint8), "task_numbers": self._source.numbers})
-        if self._simulates:
-            self._plan.world = ctypes.addressof(loop.physics.world)
+        if self.simulates:
+            self.given.plan.world = ctypes.addressof(loop.physics.world)
             self._set(loop.physics.arrays)
 
     def _make_source(self, loop: Any) -> PeriodSource:
         """The C source of these periods."""
         return PeriodSource(loop)
-
-    def _set(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Give arrays to the compiled code, and keep them."""
-        for name, values in arrays.items():
-            self._arrays[name] = np.ascontiguousarray(values)
-            setattr(self._plan, name, self._arrays[name].ctypes.data)
 
     def load(self) -> None:
         """Take over what the loop's parts keep, after a reset.
@@ -83,7 +81,7 @@ class CompiledPeriods:
         self._parts = loop.period_parts()
         arrays["memory"][:] = self._source.rows.read(self._parts.owners)
         arrays["clock"][:], arrays["reference"][:] = loop.window.elapsed, loop.window.current
-        arrays["ground_truth"][:] = loop.ground_truth
+        arrays["ground_truth"][:], arrays["command"][:] = loop.ground_truth, loop.commanded_torque
         if self._source.references is not None:
             arrays["reference_numbers"][:] = self._source.references.read(loop.task.parts.reference)
             loop.window.hold(arrays["clock"], arrays["reference"])
@@ -114,9 +112,9 @@ class CompiledPeriods:
         if not self._library.prp_actions_are_finite(self._address):
             clip_actions(action)  # which refuses them by name
         self._draw("noise", self._parts.actuators.noise_ahead(1))
-        if self._simulates:
+        if self.simulates:
             self._prepare()
-            self._run()
+            self.run(self.given)
         else:
             self._library.prp_command(self._address)
             loop.physics.set_torque(arrays["torque"])
@@ -127,10 +125,14 @@ class CompiledPeriods:
             self._prepare()
             loop.physics.measure(arrays["measured"])
             self._library.prp_score(self._address)
+        return self.outcome(arrays["reward"], arrays["info"])
+
+    def outcome(self, reward: Array, info: Array) -> Step:
+        """The result of a step that compiled code has computed, with copies of its reward and `info`."""
+        loop, arrays = self._loop, self._arrays
         loop.ground_truth, loop.commanded_torque = arrays["ground_truth"].copy(), arrays["command"].copy()
-        observation, reward = arrays["observation"].copy(), arrays["reward"].copy()
         truncated = arrays["clock"] >= loop.config.horizon
-        return Step(observation, reward, truncated & False, truncated, arrays["info"].copy())
+        return Step(arrays["observation"].copy(), reward.copy(), truncated & False, truncated, info.copy())
 
     def _draw(self, name: str, values: Array | None) -> None:
         """Give the random numbers of the next period to the compiled code."""
@@ -158,12 +160,22 @@ class CompiledPeriods:
         saturated = self._arrays["saturated"].astype(np.bool_)
         return self._arrays["command"].copy(), saturated if saturated.any() else None
 
-    def _run(self) -> None:
-        self._loop.physics.run(self._run_rows, self._loop.config.substeps)
+    def run(self, given: PeriodPlan) -> None:
+        """Run a plan for these simulations, with their threads."""
 
-    def _run_rows(self, first: int, count: int) -> int:
-        inside: int = self._library.prp_run(first, count, self._address)
-        return inside
+        def run_rows(first: int, count: int) -> int:
+            inside: int = self._library.prp_run(first, count, given.address)
+            return inside
+
+        self._loop.physics.run(run_rows, self._loop.config.substeps)
+
+    def drawn_ahead(self, periods: int) -> dict[str, Array]:
+        """The random numbers of the next periods, which are over then, by their names in a plan."""
+        drawn = {
+            "noise": self._parts.actuators.noise_ahead(periods),
+            "error": self._parts.sensors.errors_ahead(periods),
+        }
+        return {name: values for name, values in drawn.items() if values is not None}
 
     def run_episodes(self, controller: Any, observation: Array) -> EpisodeRecord | None:
         """Run whole episodes with a compiled controller; afterwards the loop cannot be used.
@@ -184,8 +196,8 @@ class CompiledPeriods:
         self._set({"ground_truth": record.ground_truth, "command": record.command, "info": record.info})
         self._set({"applied": record.applied, "reward": np.empty(record.info.shape[:2])})
         self._set({"ended": record.ended})
-        self._plan.record = 1
-        self._run()
+        self.given.plan.record = 1
+        self.run(self.given)
         start = loop.ground_truth[:, None]
         if (record.ended < 0).any():
             return None
@@ -204,29 +216,24 @@ class CompiledPeriods:
         Raises:
             UntraceableError: a controller whose state is too large.
         """
-        rows = self._loop.num_envs
+        rows, plan = self._loop.num_envs, self.given.plan
         totals = EpisodeTotals(np.zeros(rows), np.zeros(rows, dtype=np.intp))
         self._give_controller(controller, observation)
         self._set({"total": totals.reward, "ended": totals.ended})
-        self._run()
-        self._plan.controller, self._plan.periods, self._plan.total = None, 1, None
+        self.run(self.given)
+        plan.controller, plan.periods, plan.total = None, 1, None
         return totals
 
     def _give_controller(self, controller: Any, observation: Array) -> None:
         """Let a controller act in whole episodes, all of whose random numbers and references are given."""
-        loop, plan, parts, numbers = self._loop, self._plan, self._parts, controller.numbers
+        loop, plan, numbers = self._loop, self.given.plan, controller.numbers
         size, periods = controller.initial_state.shape[1], loop.config.horizon
         if size > LARGEST_STATE:
             raise UntraceableError(f"a state of {size} numbers cannot be kept in compiled code.")
         if self._source.references is None:
             times = loop.window.times_ahead(periods)
-            self._set({"sampled": np.ascontiguousarray(loop.task.reference(times))})
-        for name, values in (
-            ("noise", parts.actuators.noise_ahead(periods)),
-            ("error", parts.sensors.errors_ahead(periods)),
-        ):
-            if values is not None:
-                self._set({name: np.ascontiguousarray(values)})
+            self._set({"sampled": loop.task.reference(times)})
+        self._set(self.drawn_ahead(periods))
         self._set({"controller_numbers": numbers, "state": controller.initial_state.copy()})
         self._set({"observation": observation.copy()})
         plan.controller, plan.state_size, plan.periods = controller.function, size, periods

@@ -343,6 +343,11 @@ class EpisodeLoop:
         self._on_period = listener or _ignore
 
     @property
+    def has_listener(self) -> bool:
+        """Whether a listener is called with the result of every control period."""
+        return self._on_period is not _ignore
+
+    @property
     def started(self) -> bool:
         """Whether every environment has been reset at least once."""
         return self._window.started

@@ -1,6 +1,7 @@
 """An episode loop whose torques come from an inner controller that receives the actions."""
 
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,11 +9,12 @@ from numpy.typing import NDArray
 from prp_gym.envs.action_mode import ActionMode, Memory
 from prp_gym.envs.config import EnvConfig
 from prp_gym.envs.core.argument_checks import clip_actions
+from prp_gym.envs.core.compiled_mode import CompiledMode
 from prp_gym.envs.core.info import AVERAGED, LAST
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.loop_state import STATE
 from prp_gym.envs.core.step import Step
-from prp_gym.errors import ShapeError
+from prp_gym.errors import ShapeError, UntraceableError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
@@ -56,6 +58,8 @@ class ModeLoop(EpisodeLoop):
         self._added = np.array([rule != LAST for rule in rules])
         self._share = 1.0 / periods
         self._shares = np.where([rule == AVERAGED for rule in rules], self._share, 1.0)
+        self._code: CompiledMode | None = None
+        self._code_keeps_memory, self._may_compile_mode, self._was_called = False, True, False
 
     def _begun(self, ids: NDArray[np.intp]) -> Array:
         """See `EpisodeLoop`."""
@@ -65,7 +69,45 @@ class ModeLoop(EpisodeLoop):
 
     def _restored(self) -> Array:
         """See `EpisodeLoop`."""
+        self._code, self._code_keeps_memory = None, False
         return self._observation.copy()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**super().__getstate__(), "_code": None}
+
+    def _store(self) -> None:
+        """See `EpisodeLoop`."""
+        super()._store()
+        self._take_memory()
+
+    def _take_memory(self) -> None:
+        """Take back the memory of the mode from compiled code."""
+        if self._code is not None and self._code_keeps_memory:
+            self._memory, self._code_keeps_memory = self._code.memory(), False
+
+    @property
+    def memory(self) -> Memory:
+        """What the mode has returned last for itself; None before its first call."""
+        return self._memory
+
+    def _compiled_step(self) -> CompiledMode | None:
+        """The step in compiled code, once the mode has been called; None where it cannot be compiled.
+
+        A listener has to be called in every period, which NumPy goes through.
+        """
+        periods = self._compiled if self._may_compile_mode and self._was_called else None
+        if periods is None or not periods.simulates or self.has_listener:
+            return None
+        if self._code_keeps_memory:
+            return self._code
+        try:
+            if self._code is None or self._code.periods is not periods:
+                totals = np.append(self._shares, self._share), self._added
+                self._code = CompiledMode(self, self._mode, periods, *totals, self._periods)
+        except UntraceableError:  # a mode of another package, which NumPy computes
+            self._may_compile_mode = False
+            return None
+        return self._code if self._code.load(self._memory) else None
 
     def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """Advance every environment by the period of one action; see `EpisodeLoop`.
@@ -81,6 +123,22 @@ class ModeLoop(EpisodeLoop):
         waiting = np.zeros(self.num_envs, dtype=np.bool_) if idle is None else idle.copy()
         self.require_ready(waiting)
         held = clip_actions(np.where(waiting[:, None], 0.0, action))
+        code = self._compiled_step()
+        return self._in_numpy(held, waiting) if code is None else self._in_code(code, held, waiting)
+
+    def _in_code(self, code: CompiledMode, held: Array, waiting: NDArray[np.bool_]) -> Step:
+        """Advance by the periods of an action in compiled code; environments that wait stay as they are."""
+        self._code_keeps_memory = True
+        outcome = self._watched(code.step(held, self._observation, self._starts, waiting))
+        self._observation, self._starts = outcome.observation, np.zeros_like(self._starts)
+        return outcome._replace(
+            observation=outcome.observation.copy(), terminated=outcome.terminated & ~waiting
+        )
+
+    def _in_numpy(self, held: Array, waiting: NDArray[np.bool_]) -> Step:
+        """Advance by the periods of an action, one after the other."""
+        self._take_memory()
+        self._was_called = True
         outcome = self._period(held, waiting)
         terminated = outcome.terminated & ~waiting
         for _ in range(self._periods - 1):

@@ -1,15 +1,15 @@
 """The C source of control periods: actuators, sensors, errors and reward, traced, around the physics."""
 
-import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from prp_gym.envs.core.argument_checks import limit_actions
 from prp_gym.envs.core.period_parts import PeriodParts, ReferenceRows
+from prp_gym.envs.core.period_plan import LARGEST_STATE, PLAN
 from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import WORLD, CompiledSimulation
 from prp_gym.robot.arm import PRPArm
@@ -24,83 +24,7 @@ from prp_gym.tasks.fields import ObservationLayout
 CONSTANTS = (PRPArm, Link, ObservationLayout)
 """Classes of objects whose numbers are constants of compiled code."""
 
-LARGEST_STATE = 256
-"""Largest number of components of a controller's state."""
-
-CONTROLLER = ctypes.CFUNCTYPE(None, *(ctypes.c_void_p,) * 6)
-"""A compiled controller: observation, state, input and numbers -> action and state."""
-
-_ARRAYS = (
-    *("position", "velocity", "torque", "plants", "surfaces", "measured", "beyond"),
-    *("task_numbers", "reference_numbers", "controller_numbers", "input"),
-    *("noise", "error", "sampled", "reference"),
-    *("clock", "memory", "state", "action", "saturated", "observation"),
-    *("ground_truth", "command", "applied", "info", "reward", "total"),
-)
-_COUNTS = ("rows", "periods", "record", "state_size", "input_size", "numbers_size")
 _HAND_WRITTEN = Path(__file__).with_name("compiled_period.c")
-
-
-class Plan(ctypes.Structure):
-    """`prp_plan` of the C code: the arrays of N environments, and what is to be done.
-
-    Attributes:
-        controller: function that chooses the actions; null where they are given.
-        world: world of the simulations.
-        lost: whether an environment was lost, see `prp_advance`.
-        ended: see `prp_run`.
-        rows: number of environments.
-        periods: number of periods.
-        record: whether every period is recorded.
-        state_size: size of the controller's state.
-        input_size: size of an environment's input to the controller.
-        numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
-        position: arrays of the simulations, to `beyond`; see `prp_advance`.
-        task_numbers: numbers of the task.
-        reference_numbers: numbers of each environment's reference.
-        controller_numbers: numbers of the controller.
-        input: input of the controller, which stays the same in all periods.
-        noise: torque noise of every period; null without any.
-        error: error of the force sensor in every period; null without any.
-        sampled: reference of every period; null where it is computed.
-        reference: present reference.
-        clock: control periods since the start of each episode.
-        memory: what task and actuators keep from one period to the next.
-        state: state of the controller.
-        action: actions.
-        saturated: whether an action is at a limit of its actuator, 0 or 1.
-        observation: observations.
-        ground_truth: recorded ground truth, of every period in the rows of an environment.
-        command: recorded torque command.
-        applied: recorded applied torques.
-        info: recorded `info`.
-        reward: recorded reward.
-        total: sum of each environment's rewards, to which every period adds its own; null for none.
-    """
-
-    _fields_: ClassVar = [
-        *((name, ctypes.c_void_p) for name in ("controller", "world", "lost", "ended")),
-        *((name, ctypes.c_long) for name in _COUNTS),
-        *((name, ctypes.c_void_p) for name in _ARRAYS),
-    ]
-
-
-def _plan_text() -> str:
-    """`Plan` in C."""
-    arrays = ", ".join(f"*{name}" for name in _ARRAYS)
-    return f"""
-typedef void (*prp_controller)(
-    const double *observation, const double *state, const double *input, const double *numbers,
-    double *action, double *after);
-typedef struct {{
-    prp_controller controller;
-    const prp_world *world;
-    unsigned char *lost;
-    long *ended;
-    long {", ".join(_COUNTS)};
-    double {arrays};
-}} prp_plan;
-"""
 
 
 class PeriodSource:
@@ -155,9 +79,7 @@ class PeriodSource:
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
         sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())
         loop = _HAND_WRITTEN.read_text(encoding="utf-8")
-        return "\n".join(
-            ["#include <string.h>", physics, sizes, _plan_text(), *map(c_function, functions), loop]
-        )
+        return "\n".join(["#include <string.h>", physics, sizes, PLAN, *map(c_function, functions), loop])
 
     def _traced_reference(self, task: Any) -> list[SymbolicFunction]:
         """From time to reference, where it can be traced and branches on none of its numbers."""

@@ -77,4 +77,4 @@ class ResidualController:
     ) -> tuple[Array, PolicyState]:
         """See `prp_gym.envs.action_mode.ActionMode`."""
         torque, memory = self._controller.predict(observation, memory, starts)
-        return torque + self._share * action, memory
+        return torque.astype(np.float64) + self._share * action, memory

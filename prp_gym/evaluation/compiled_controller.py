@@ -2,7 +2,7 @@
 
 import ctypes
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -10,19 +10,12 @@ from prp_gym.evaluation.policy_state import LARGEST
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array
 from prp_gym.robot.link import Link
-from prp_gym.symbolic.array import SymbolicArray, untraceable
-from prp_gym.symbolic.c_source import PREAMBLE, c_function
-from prp_gym.symbolic.compiler import load_library
-from prp_gym.symbolic.function import SymbolicFunction
-from prp_gym.symbolic.graph import Graph, Node
-from prp_gym.symbolic.lifting import LiftedFunction, numbers_of, trace_method
-from prp_gym.symbolic.state_arrays import attributes, require_same
+from prp_gym.symbolic.array import untraceable
+from prp_gym.symbolic.compiled_method import CompiledMethod, of_arguments_alone
 from prp_gym.tasks.fields import ObservationLayout
 
 CONSTANTS = (PRPArm, Link, ObservationLayout)
 """Classes of objects whose numbers are constants of compiled code."""
-
-_NAME = "prp_controller_act"
 
 
 class ControllerFormula:
@@ -75,20 +68,20 @@ class ControllerFormula:
             last = first + int(np.prod(shape, dtype=np.intp))
             parts.append(state[:, first:last].reshape((1, *shape)).astype(kind))
             first = last
-        before = attributes(controller)
-        action, after = controller.act(observed, tuple(parts))
-        require_same(controller, before)
-        again = controller.act(observed, tuple(parts))
-        if _nodes(observation.graph, action, after) != _nodes(observation.graph, *again):
-            raise untraceable(f"what {type(controller).__name__} keeps outside of its state")
+
+        def call() -> list[Any]:
+            action, after = controller.act(observed, tuple(parts))
+            return [action, *after]
+
+        action, *after = of_arguments_alone(controller, call, observation)
         if action.shape != (1, *controller.interface.torque_limit.shape):
             raise untraceable(f"an action of shape {action.shape}")
         if [part.shape[1:] for part in after] != self._shapes:
             raise untraceable("a state whose shape changes")
-        return action, after
+        return action, tuple(after)
 
 
-class CompiledController:
+class CompiledController(CompiledMethod):
     """A controller as a compiled function: observation, state, input and numbers -> action and state.
 
     Args:
@@ -96,10 +89,7 @@ class CompiledController:
         observation: first observations (N, size).
 
     Attributes:
-        numbers: numbers of the controller (P), its gains among them.
         initial_state: state at the start of an episode (N, size).
-        function: address of the compiled function.
-        decides_branches: whether numbers on which the formulas branch stay inputs; see `trace_method`.
 
     Raises:
         UntraceableError: a controller that uses more than arithmetic on arrays, or keeps anything but its
@@ -108,33 +98,17 @@ class CompiledController:
         CompilerError: no compiler.
     """
 
-    decides_branches: ClassVar[bool] = False
-
     def __init__(self, controller: Any, observation: Array) -> None:
         formula = ControllerFormula(controller, observation)
         self.initial_state = formula.initial_state
-        self.numbers = numbers_of(controller, CONSTANTS)
-        shapes = {
-            "observation": (1, controller.interface.layout.size),
-            "state": (1, self.initial_state.shape[1]),
-            "input": (1, 0),
-        }
 
         def act(own: Any, observation: Any, state: Any, input: Any) -> dict[str, Any]:  # noqa: A002
             action, after = formula(own, observation, state)
             return _refused(action, after) if after else {"action": action, "after": state}
 
-        traced = trace_method(
-            _NAME, act, controller, shapes, CONSTANTS, formula.kind, decide=self.decides_branches
-        )
-        functions = self._functions(traced)
-        source = "\n".join([PREAMBLE, *(c_function(each, linkage="") for each in functions)])
-        self._library = load_library(source)
-        self.function = ctypes.cast(self._library[functions[0].name], ctypes.c_void_p)
-
-    def _functions(self, traced: LiftedFunction) -> tuple[SymbolicFunction, ...]:
-        """The functions that are compiled, the controller's first."""
-        return (traced.function,)
+        size, columns = controller.interface.layout.size, self.initial_state.shape[1]
+        shapes = {"observation": (1, size), "state": (1, columns), "input": (1, 0)}
+        super().__init__("prp_controller_act", act, controller, shapes, CONSTANTS, formula.kind)
 
 
 class CompiledControllers(NamedTuple):
@@ -167,9 +141,3 @@ def _refused(action: Any, after: Any) -> dict[str, Any]:
     kept = np.concatenate([part.astype(np.float64).reshape((1, -1)) for part in after], axis=1)
     allowed = (np.abs(kept) <= LARGEST).all(axis=1, keepdims=True)
     return {"action": np.where(allowed, action.astype(np.float64), np.nan), "after": kept}
-
-
-def _nodes(graph: Graph, action: Any, after: Any) -> list[Node]:
-    """The expressions of what `act` has returned; equal ones are the same."""
-    arrays = (SymbolicArray.of(graph, part.astype(np.float64)) for part in (action, *after))
-    return [node for array in arrays for node in array.flat()]

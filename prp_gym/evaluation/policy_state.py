@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from prp_gym.checks import as_numbers, check_finite, finite
 from prp_gym.errors import InvalidValueError, ShapeError
+from prp_gym.robot.arrays import anywhere
+from prp_gym.symbolic.array import holds_truth_values, is_symbolic
 
 PolicyState = tuple[NDArray[Any], ...] | None
 
@@ -45,7 +47,7 @@ def state_to_begin_with(
     if not state:
         return fresh
     state = _require_like(fresh, state)
-    if not np.count_nonzero(starts):
+    if not anywhere(starts):
         return state
     if starts.size == 1:
         starts = starts.reshape((1,) * len(lead))
@@ -67,6 +69,9 @@ def _truth_values(episode_start: object) -> NDArray[np.bool_]:
         return _NOWHERE
     if isinstance(episode_start, np.ndarray) and episode_start.dtype == np.bool_:
         return episode_start
+    if is_symbolic(episode_start):
+        started: Any = episode_start
+        return started  # type: ignore[no-any-return]
     try:
         values = np.asarray(episode_start)
     except Exception:  # rows of different lengths, or whatever the value's own methods raise
@@ -88,6 +93,9 @@ def _require_like(fresh: tuple[NDArray[Any], ...], state: Sequence[NDArray[Any]]
         raise ShapeError("state", (len(state),), f"a tuple of {len(fresh)} arrays")
     checked = []
     for new, old in zip(fresh, state, strict=True):
+        if is_symbolic(old):
+            checked.append(_require_symbolic_like(new, old))
+            continue
         like = isinstance(old, np.ndarray) and old.dtype == new.dtype
         values = old if like else as_numbers("state", old).astype(new.dtype)
         if values.shape != new.shape:
@@ -95,3 +103,17 @@ def _require_like(fresh: tuple[NDArray[Any], ...], state: Sequence[NDArray[Any]]
         check_finite("state", values, largest=LARGEST)
         checked.append(values)
     return tuple(checked)
+
+
+def _require_symbolic_like(new: NDArray[Any], old: NDArray[Any]) -> NDArray[Any]:
+    """A symbolic state, which is no number in compiled code where numbers would be refused.
+
+    Raises:
+        ShapeError: an array of another shape.
+    """
+    if old.shape != new.shape:
+        raise ShapeError("state", old.shape, f"{new.shape}")
+    if holds_truth_values(old):
+        return old
+    kept: NDArray[Any] = np.where(np.abs(old) <= LARGEST, old, np.nan)
+    return kept

@@ -41,6 +41,7 @@ _OF_ARRAYS: dict[Callable[..., float], np.ufunc] = {
     math.atan2: np.arctan2,
     math.exp: np.exp,
     math.log: np.log,
+    math.pow: np.float_power,
 }
 _LOWER = ((0, 0), (1, 0), (2, 0), (1, 1), (2, 1), (2, 2))
 

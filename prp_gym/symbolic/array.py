@@ -188,9 +188,9 @@ class SymbolicArray(NDArrayOperatorsMixin):
             raise untraceable(f"numpy.{ufunc.__name__}.{method}")
         if ufunc is np.square or (ufunc is np.power and _is_two(inputs[1])):
             ufunc, inputs = np.multiply, (inputs[0], inputs[0])
-        if ufunc is np.add and all(map(_are_booleans, inputs)):
+        if ufunc is np.add and all(map(holds_truth_values, inputs)):
             ufunc = np.logical_or  # as NumPy adds truth values
-        if ufunc is np.invert and not all(map(_are_booleans, inputs)):
+        if ufunc is np.invert and not all(map(holds_truth_values, inputs)):
             raise untraceable("numpy.invert of numbers")
         if "where" not in options:
             return self._result(elementwise(self.graph, _operation(ufunc), *inputs), options)
@@ -267,7 +267,7 @@ def _is_two(exponent: Any) -> bool:
     return not isinstance(exponent, SymbolicArray) and np.array_equal(exponent, 2)
 
 
-def _are_booleans(values: Any) -> bool:
+def holds_truth_values(values: Any) -> bool:
     """Whether an argument is an array of truth values."""
     if isinstance(values, SymbolicArray):
         return all(node.is_boolean or node.is_constant for node in values.flat())

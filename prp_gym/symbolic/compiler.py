@@ -16,8 +16,12 @@ from pathlib import Path
 
 from prp_gym.errors import CompilerError
 
-FLAGS = ("-O2", "-std=c11", "-fPIC", "-shared", "-ffp-contract=off", "-fno-math-errno")
-"""No flag lets the compiler change a result: products and sums are rounded one by one, as in NumPy."""
+FLAGS = (
+    *("-O2", "-std=c11", "-fPIC", "-shared"),
+    *("-ffp-contract=off", "-fno-math-errno", "-fno-builtin-pow"),
+)
+"""The compiler may change no result: products and sums are rounded one by one, as in NumPy, and a power of a
+constant is that of the mathematical library."""
 
 _SECONDS = 300.0
 

@@ -59,6 +59,10 @@ def _choose(condition: Node, yes: Node | float, no: Node | float) -> Node:
     return condition.graph.apply(WHERE, condition, yes, no)
 
 
+def _power(g: Node, y: Node, a: Node, b: Node) -> tuple[Node, Node]:
+    return g * b * _apply(POWER, a, b - 1.0), g * y * _apply(LOGARITHM, a)
+
+
 def _arc_tangent(g: Node, _: Node, y: Node, x: Node) -> tuple[Node, Node]:
     square = x * x + y * y
     return g * x / square, -(g * y) / square
@@ -89,6 +93,14 @@ EXPONENTIAL: Operation = Operation(
 )
 LOGARITHM: Operation = Operation(
     "log", np.log, "log({0})", lambda g, _, a: (g / a,), scalar=math.log, exact=False
+)
+POWER: Operation = Operation(
+    "power",
+    np.float_power,  # not numpy.power, whose last bits formulas with ** have in NumPy
+    "pow({0}, {1})",
+    _power,
+    scalar=math.pow,
+    exact=False,
 )
 ARC_TANGENT: Operation = Operation(
     "arctan2", np.arctan2, "atan2({0}, {1})", _arc_tangent, scalar=math.atan2, exact=False

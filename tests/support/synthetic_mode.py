@@ -1,6 +1,6 @@
 """A mode of actions that shows what a loop asks of one, and diverges in the period that an action names."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,14 +35,21 @@ class LateMode:
         """See `prp_gym.envs.action_mode.ActionMode`."""
         before = np.zeros((len(action), 2)) if memory is None else memory
         count = np.where(starts, 0.0, before[:, 0]) + 1.0
-        when = np.round(self.fields[0].value(action[:, :1]))[:, 0]
+        when = np.rint(self.fields[0].value(action[:, :1]))[:, 0]
         torque = np.where(count == when, 0.01, self.fields[1].value(action[:, 1]) * np.sin(count))
-        return np.tile(torque[:, None], self.joints), np.stack([count, observation[:, 0]], axis=1)
+        every: Array = np.broadcast_to(torque[:, None], (len(torque), self.joints))
+        return every, np.stack([count, observation[:, 0]], axis=1)
 
 
+@dataclass(frozen=True)
 class LateEntry:
-    """Makes the mode for any environment; it runs no controller."""
+    """Makes the mode for any environment; it runs no controller.
 
+    Attributes:
+        kind: class of the mode, which takes the number of joints.
+    """
+
+    kind: Callable[[int], ActionMode] = LateMode
     controller = ""
 
     def endings(self, layout: ObservationLayout | None) -> tuple[str, ...]:
@@ -56,7 +63,7 @@ class LateEntry:
     def make(self, ending: str, setup: ModeSetup) -> ActionMode:
         """See `prp_gym.envs.action_mode.ModeEntry`."""
         assert (ending, setup.period) == ("", 0.002)
-        return LateMode(len(setup.torque_limit))
+        return self.kind(len(setup.torque_limit))
 
 
 LATE = ActionModeSpec("late", "torques that may become violent", LateEntry())

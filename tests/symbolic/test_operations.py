@@ -17,7 +17,7 @@ HALVES = np.arange(-3.0, 3.5, 0.5)  # among them the edges of rounding
 SPECIAL = np.array([*HALVES, -0.0, 1e-300, -1e300, np.pi, -np.pi / 2, 1e17, LARGEST, -LEAST, LEAST / 8])
 SINGLE_RANGE = np.finfo(np.float32)
 NOT_FINITE = (np.nan, np.inf, -np.inf, 0.0, 1.0, -1.0)
-OF_THE_CPU = ("exp", "log", "arctan2")
+OF_THE_CPU = ("exp", "log", "power", "arctan2")
 """Functions whose last bit in NumPy depends on the kind of CPU; see `prp_gym.robot.arrays.elementwise`."""
 
 EVERY_OPERATION = pytest.mark.parametrize("operation", OPERATIONS, ids=lambda operation: operation.name)

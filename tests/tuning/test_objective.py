@@ -76,7 +76,7 @@ def test_candidate_that_is_nearly_as_good_is_run_in_all_scenarios(objective: Obj
 
 def test_refused_candidate_scores_nothing_and_uses_as_much_as_a_whole_one(objective: Objective) -> None:
     found = objective.measure([dict.fromkeys(START, 1e12)], None)[0]
-    assert found == (0.0, objective.most_steps, (0.0, 0.0), False)
+    assert found == (0.0, objective.most_steps, (0.0, 0.0), False, {})
 
 
 def test_scores_of_the_episodes_of_settings_are_those_of_their_candidate(objective: Objective) -> None:
