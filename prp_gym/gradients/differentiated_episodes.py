@@ -52,31 +52,33 @@ class DifferentiatedEpisodes:
             raise NonFiniteError("action of the periods", (-found.ended[found.ended < 0]).tolist())
         self.scores, self.ended = found.score, found.ended
         self.by_number: Array = found.by_numbers.mean(axis=0)
-        self._weights = np.concatenate([self.by_number, found.by_state.ravel() / len(seeds)])
+        self._by_numbers, self._by_state = found.by_numbers, found.by_state
         self._formula = ControllerFormula(controller, self._observation)
 
-    def difference(self, more: Any, less: Any) -> float | None:
-        """The difference of the mean scores of two controllers nearby, to first order.
+    def differences(self, more: Any, less: Any) -> Array | None:
+        """The differences of the scores of two controllers nearby, to first order.
 
         Args:
-            more: a controller with the numbers and the initial state that the score is differentiated by.
+            more: a controller with the numbers and the initial state that the scores are differentiated by.
             less: another one.
 
         Returns:
-            the difference; None for controllers of another structure than each other, such as one with an
-            integral action and one without.
+            the difference in each episode (N); None for controllers of another structure than each other,
+            such as one with an integral action and one without.
         """
         if structure_of(more, CONSTANTS) != structure_of(less, CONSTANTS):
             return None
-        above, below = self._read(more), self._read(less)
-        equal = above == below  # infinite ones among them
-        return float(np.where(equal, 0.0, above - np.where(equal, 0.0, below)) @ self._weights)
+        (numbers, state), (numbers_less, state_less) = self._read(more), self._read(less)
+        equal = numbers == numbers_less  # infinite ones among them
+        change = np.where(equal, 0.0, numbers - np.where(equal, 0.0, numbers_less))
+        found: Array = self._by_numbers @ change + (self._by_state * (state - state_less)).sum(axis=1)
+        return found
 
-    def _read(self, controller: Any) -> Array:
-        """The numbers of a controller and its state in the first period of each episode."""
+    def _read(self, controller: Any) -> tuple[Array, Array]:
+        """The numbers of a controller (P), and its state in the first period of each episode (N, S)."""
         observed = controller.interface.layout.split(self._observation)
         state = self._formula.row(controller.initial_state(observed), len(self._observation))
-        return np.concatenate([numbers_of(controller, CONSTANTS), state.ravel()])
+        return numbers_of(controller, CONSTANTS), state
 
 
 def _check(inner: Any, controller: Any, seeds: Sequence[int]) -> None:

@@ -49,9 +49,10 @@ def _derivative(episodes: DifferentiatedEpisodes, controller: Any, name: str, in
         other = value.copy()
         other.flat[index] = number + shift
         try:
-            return episodes.difference(_with(controller, name, other), here)
+            found = episodes.differences(_with(controller, name, other), here)
         except PRPError:
             return None
+        return None if found is None else float(found.mean())
 
     above, below = change(step), change(-step)
     if above is not None and below is not None:

@@ -8,15 +8,21 @@ import numpy as np
 from prp_gym.errors import NonFiniteError, PRPError
 from prp_gym.evaluation.rollout import Policy
 from prp_gym.gradients.differentiated_episodes import DifferentiatedEpisodes
+from prp_gym.robot.arrays import Array
 from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.objective import CandidateScore, Objective
 from prp_gym.tuning.trial import Trial
+
+LARGEST_SLOPE = 1.0
+"""Largest derivative of an episode's score by the logarithm of a factor that tells anything: scores lie in
+[0, 1]. In limit cycles and repeated impacts, where scores are chaotic, derivatives grow exponentially with
+time; such episodes are left out of a sum of derivatives."""
 
 _STEP = 1e-4  # of the logarithm of a factor, see `by_settings`
 
 
 class GradientObjective(Objective):
-    """The mean score of an `Objective`, with its exact derivatives.
+    """The mean score of an `Objective`, with its exact derivatives, where they tell anything.
 
     Episodes run in compiled code, whatever the engine of the environments, with actions that are not rounded
     to single precision: scores differ from those of an `Objective` by about 1e-7. Every candidate runs
@@ -44,40 +50,47 @@ class GradientObjective(Objective):
         return [self._measured(factors) for factors in proposals]
 
     def _measured(self, factors: Mapping[str, float]) -> CandidateScore:
-        means, steps = [], 0
-        slopes = dict.fromkeys(factors, 0.0)
+        means, steps, slopes = [], 0, np.zeros(len(factors))
         for run in self.runs:
             try:
                 policy = run.candidates.make(factors)
+            except PRPError:
+                return self._refused()
+            try:
                 found = DifferentiatedEpisodes(run.env, policy, run.seeds)
             except NonFiniteError:
-                return CandidateScore(0.0, self.most_steps, (0.0,) * len(self.runs), stopped=False)
+                return self._refused()
             means.append(float(np.mean(found.scores)))
             steps += int(np.where(found.ended > 0, found.ended, run.episodes.horizon).sum())
-            for name in factors:
-                slopes[name] += _slope(found, run.candidates, policy, factors, name) / len(self.runs)
-        return CandidateScore(sum(means) / len(means), steps, tuple(means), stopped=False, slopes=slopes)
+            rows = np.stack([_slopes(found, run.candidates, policy, factors, name) for name in factors])
+            tells = np.isfinite(rows).all(axis=0) & (np.abs(rows) <= LARGEST_SLOPE).all(axis=0)
+            slopes += np.where(tells, rows, 0.0).mean(axis=1) / len(self.runs)
+        by_factor = dict(zip(factors, slopes.tolist(), strict=True))
+        return CandidateScore(sum(means) / len(means), steps, tuple(means), stopped=False, slopes=by_factor)
+
+    def _refused(self) -> CandidateScore:
+        return CandidateScore(0.0, self.most_steps, (0.0,) * len(self.runs), stopped=False)
 
 
-def _slope(
+def _slopes(
     found: DifferentiatedEpisodes,
     candidates: Candidates,
     policy: Policy,
     factors: Mapping[str, float],
     name: str,
-) -> float:
-    """The derivative of the mean score by the logarithm of one factor; one-sided where a side is refused."""
+) -> Array:
+    """The derivative of each score by the logarithm of a factor (N); one-sided where a side is refused."""
 
-    def change(step: float) -> float | None:
+    def change(step: float) -> Array | None:
         try:
             other = candidates.make({**factors, name: factors[name] * math.exp(step)})
         except PRPError:
             return None
-        return found.difference(other, policy)
+        return found.differences(other, policy)
 
     above, below = change(_STEP), change(-_STEP)
     if above is not None and below is not None:
         return (above - below) / (2.0 * _STEP)
     if above is not None:
         return above / _STEP
-    return 0.0 if below is None else -below / _STEP
+    return np.zeros_like(found.scores) if below is None else -below / _STEP
