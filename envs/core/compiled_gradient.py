@@ -65,7 +65,7 @@ class CompiledGradients(CompiledPeriods):
     def _make_source(self, loop: Any) -> GradientSource:
         return GradientSource(loop)
 
-    def run(self, controller: Any, observation: Array) -> EpisodeGradients:
+    def differentiate(self, controller: Any, observation: Array) -> EpisodeGradients:
         """Run whole episodes.
 
         Args:
@@ -91,10 +91,10 @@ class CompiledGradients(CompiledPeriods):
         asked.score, asked.numbers, asked.state = (array.ctypes.data for array in (score, numbers, state))
         address = ctypes.addressof(asked)
 
-        def differentiate(first: int, count: int) -> bool:
+        def run_rows(first: int, count: int) -> bool:
             if not self._library.prp_differentiate(first, count, self.given.address, address):
                 raise MemoryError("not enough memory for the tape of an episode")
             return True
 
-        self._loop.physics.run(differentiate, self._loop.config.substeps)
+        self._loop.physics.run(run_rows, self._loop.config.substeps)
         return EpisodeGradients(score, numbers, state, ended)

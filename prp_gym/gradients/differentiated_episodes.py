@@ -45,7 +45,7 @@ class DifferentiatedEpisodes:
         loop = make_loop(inner.make_task, replace(inner.config, engine=COMPILED), len(seeds), num_threads=0)
         rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
         self._observation = loop.reset(np.arange(len(seeds)), rngs, {})
-        found = CompiledGradients(loop).run(
+        found = CompiledGradients(loop).differentiate(
             ReversibleController(controller, self._observation), self._observation
         )
         if (found.ended < 0).any():

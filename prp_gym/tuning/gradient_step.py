@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from prp_gym.robot.arrays import Array
-from prp_gym.tuning.local_step import local_step
+from prp_gym.tuning.local_step import is_local, local_step
 from prp_gym.tuning.search_space import Parameter
 from prp_gym.tuning.trial import Trial
 
@@ -22,13 +22,16 @@ class _Search:
 
     Args:
         parameters: parameters with the ranges of their factors.
+
+    Attributes:
+        score: score of the point of departure.
     """
 
     def __init__(self, parameters: Sequence[Parameter]) -> None:
         ranges = [(math.log(item.low), math.log(item.high)) for item in parameters]
         self._low, self._high = np.array(ranges).T
         self._steps: list[tuple[Array, Array]] = []
-        self._score, self._share = -math.inf, 1.0
+        self.score, self._share = -math.inf, 1.0
         self._here = self._slopes = self._move = np.zeros_like(self._low)
 
     def learn(self, here: Array, score: float, slopes: Array | None) -> bool:
@@ -42,16 +45,16 @@ class _Search:
         Returns:
             whether it is better.
         """
-        if slopes is None or score <= self._score:
+        if slopes is None or score <= self.score:
             self._share *= 0.5
             if self._share < _SHORTEST and self._steps:  # the curvature may mislead
                 self._steps.clear()
                 self._turn()
             return False
-        if math.isfinite(self._score):
+        if math.isfinite(self.score):
             self._steps.append((here - self._here, self._slopes - slopes))
             del self._steps[:-_MEMORY]
-        self._here, self._score, self._slopes = here, score, slopes
+        self._here, self.score, self._slopes = here, score, slopes
         self._turn()
         return True
 
@@ -115,9 +118,11 @@ def gradient_step(parameters: Sequence[Parameter], trials: Sequence[Trial], seed
     """
     search = _Search(parameters)
     random: list[Trial] = []  # the best candidate, and the random steps from it since
-    for trial in trials:
+    for index, trial in enumerate(trials):
         here = np.array([math.log(trial.factors[item.name]) for item in parameters])
         slopes = np.array([trial.slopes[item.name] for item in parameters]) if trial.slopes else None
+        if index and not is_local(index) and trial.score <= search.score:
+            continue  # a candidate of a sampler, which tells nothing of the step
         if search.learn(here, trial.score, slopes):
             random = [trial]
         elif search.is_stuck:
