@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from prp_gym.evaluation.response import oscillates_for_good, time_settled
+from prp_gym.evaluation.response import oscillates_for_good
 from prp_gym.evaluation.rollout import Rollout
-from prp_gym.evaluation.scoring import settling_of
+from prp_gym.evaluation.scoring import Settling, settling_of
 from prp_gym.robot.arrays import Array
 
 FAILURES = ("diverged", "excess force", "limit cycle", "unsettled")
@@ -49,10 +49,10 @@ def _kind(rollout: Rollout) -> str:
     criterion = settling_of(rollout)
     if criterion is None:
         return ""
-    deviations = criterion.deviations(rollout.fields)
-    if oscillates_for_good(deviations, criterion.reference(rollout.fields)):
+    settling = Settling.of(rollout, criterion)
+    if oscillates_for_good(settling.deviations, criterion.reference(rollout.fields)):
         return cycle
-    return unsettled if np.isinf(time_settled(rollout.time, deviations)) else ""
+    return unsettled if np.isinf(settling.time) else ""
 
 
 def _presses_too_hard(rollout: Rollout) -> bool:

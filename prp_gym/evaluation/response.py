@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, norm
 
 SETTLING_BAND = 0.02
 """Share of the step within which a response counts as settled."""
@@ -55,8 +55,7 @@ def maximum_error(actual: Array, desired: Array) -> Array:
 
 def distance(actual: Array, desired: Array) -> Array:
     """Norm of the error at each sample: (..., T, d) twice -> (..., T), same units."""
-    norm: Array = np.sqrt(((desired - actual) ** 2).sum(axis=-1))
-    return norm
+    return norm(desired - actual)
 
 
 def root_mean_square_distance(actual: Array, desired: Array) -> Array:
@@ -130,7 +129,7 @@ def time_settled(time: Array, deviations: Sequence[Array]) -> float:
     """
     outside = np.zeros(len(time), dtype=np.bool_)
     for group in deviations:
-        outside |= ~(np.sqrt((group**2).sum(axis=-1)) <= 1.0)
+        outside |= ~(norm(group) <= 1.0)
     settled = float(time_inside_for_good(time, outside))
     return settled if settled <= time[-1 - round(_FINAL_PART * (len(time) - 1))] else np.inf
 

@@ -1,6 +1,11 @@
 """`scoring_of`: how policies on a task are shown in tables and audited, and when its responses settle."""
 
+from typing import NamedTuple
+from weakref import WeakKeyDictionary
+
+from prp_gym.evaluation.response import time_settled
 from prp_gym.evaluation.rollout import Rollout
+from prp_gym.robot.arrays import Array
 from prp_gym.tasks.settling.criterion import SettlingCriterion
 from prp_gym.tasks.spec import TASKS, TaskScoring
 
@@ -30,3 +35,27 @@ def settling_of(rollout: Rollout) -> SettlingCriterion | None:
     if criterion is None or not set(criterion.requires) <= set(rollout.fields):
         return None
     return criterion
+
+
+class Settling(NamedTuple):
+    """How the responses of an episode settle.
+
+    Attributes:
+        deviations: groups of components (T, any size) in units of their tolerances [1].
+        time: when all of them come within their tolerances for good [s]; infinite if they do not.
+    """
+
+    deviations: tuple[Array, ...]
+    time: float
+
+    @classmethod
+    def of(cls, rollout: Rollout, criterion: SettlingCriterion) -> "Settling":
+        """How the responses of an episode settle, computed once for all metrics."""
+        known = _SETTLINGS.get(rollout)
+        if known is None:
+            deviations = criterion.deviations(rollout.fields)
+            known = _SETTLINGS[rollout] = cls(deviations, time_settled(rollout.time, deviations))
+        return known
+
+
+_SETTLINGS: WeakKeyDictionary[Rollout, Settling] = WeakKeyDictionary()

@@ -6,9 +6,8 @@ from prp_gym.evaluation.column import Column
 from prp_gym.evaluation.failure import failure_shares
 from prp_gym.evaluation.metric import MetricGroup, OutcomeMetric, Presentation
 from prp_gym.evaluation.metrics import register_metric
-from prp_gym.evaluation.response import time_settled
 from prp_gym.evaluation.rollout import Rollout
-from prp_gym.evaluation.scoring import settling_of
+from prp_gym.evaluation.scoring import Settling, settling_of
 
 OUTCOME = MetricGroup("Outcome", 0.0)
 
@@ -29,7 +28,7 @@ def response_settling_time(rollout: Rollout) -> float:
     criterion = settling_of(rollout)
     if criterion is None or rollout.diverged:
         return np.inf
-    return time_settled(rollout.time, criterion.deviations(rollout.fields))
+    return Settling.of(rollout, criterion).time
 
 
 register_metric(

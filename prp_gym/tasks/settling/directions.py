@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, dot, norm
 
 
 def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
@@ -15,9 +15,9 @@ def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
     Returns:
         (..., T, 1) [N] each; NaN for the first where no force is desired.
     """
-    magnitude = np.sqrt((desired**2).sum(axis=-1, keepdims=True))
+    magnitude = norm(desired)[..., None]
     direction = desired / np.where(magnitude > 0.0, magnitude, np.nan)
-    return (force * direction).sum(axis=-1, keepdims=True), magnitude
+    return dot(force, direction)[..., None], magnitude
 
 
 def across_desired(vector: Array, desired: Array) -> Array:
