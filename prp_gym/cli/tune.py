@@ -49,7 +49,7 @@ from prp_gym.tables.column import text_column
 from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.setup import MUJOCO
-from prp_gym.tuning.task import METHODS, SAMPLING, TuningTask
+from prp_gym.tuning.task import FINAL_EPISODES, METHODS, SAMPLING, TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tuned_controller import TunedController
 
@@ -74,6 +74,10 @@ Method = Annotated[
         autocompletion=completion.methods,
     ),
 ]
+FinalEpisodes = Annotated[
+    int,
+    typer.Option(help="Fresh episodes that compare the best three candidates with the start of the search."),
+]
 
 
 def tune_command(
@@ -90,6 +94,7 @@ def tune_command(
     settings: Settings = None,
     engine: Engine = MUJOCO,
     method: Method = SAMPLING,
+    final_episodes: FinalEpisodes = FINAL_EPISODES,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -102,9 +107,9 @@ def tune_command(
 
     The mean over the scenarios is maximised, among which the episodes of a candidate are divided. The search
     starts from the gains `tuned`, or `tuned_50hz` where these are unstable. The ten best candidates are run
-    on 20 fresh episodes, the best three of them on 100 more, together with the gains from which the search
-    started; these are the result unless a candidate is better by more than twice the standard error of the
-    difference.
+    on 20 fresh episodes, the best three of them on more (--final-episodes), together with the gains from
+    which the search started; these are the result unless a candidate is better by more than twice the
+    standard error of the difference.
     """
     (environment_id,) = check_names("environment", [only("--env", env)], list_envs())
     steps = _budget(budget, like, control_frequency)
@@ -114,7 +119,7 @@ def tune_command(
         choice = with_start_gains(choice, controllers, environment_id, control_frequency)
     task = TuningTask(
         *(environment_id, choice.name, tuple(scenario), control_frequency, steps, episodes),
-        *(seed, engine, method),
+        *(seed, engine, method, final_episodes),
     )
     terminal = Terminal.of(quiet, as_json, form)
     folder = ResultFolder.choose("tune", output, name, [key_of(task), asdict(choice)], goes_on=resume)

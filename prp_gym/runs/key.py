@@ -4,9 +4,9 @@ from dataclasses import Field, asdict
 from typing import Any, ClassVar, Protocol
 
 from prp_gym.tasks.setup import MUJOCO
-from prp_gym.tuning.task import SAMPLING
+from prp_gym.tuning.task import FINAL_EPISODES, SAMPLING
 
-_LATER = {"engine": MUJOCO, "method": SAMPLING}
+_LATER = {"engine": MUJOCO, "method": SAMPLING, "final_episodes": FINAL_EPISODES}
 """Fields that were added later, with the value for which results that were stored before stand."""
 
 

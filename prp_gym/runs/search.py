@@ -102,7 +102,10 @@ class Search:
             tuned = tune(self.task, training, study, on_trial)
             on_validation()
             choice = choose(
-                tuned, lambda *drawn: Objective(conditions, *drawn), StoredScores(self.folder, self.key)
+                tuned,
+                lambda *drawn: Objective(conditions, *drawn),
+                StoredScores(self.folder, self.key),
+                self.task.final_episodes,
             )
             result = self._result(conditions, tuned, choice, training.episodes)
             write_json(self.folder / RESULT, seal(asdict(result)))

@@ -12,6 +12,9 @@ TRAINING_SEEDS = 1_000_000
 VALIDATION_SEED = 500_000_000
 """First seed of the episodes that no search uses."""
 
+FINAL_EPISODES = 100
+"""Fresh episodes that compare the best candidates of a search with its start."""
+
 SAMPLING, GRADIENT = "sampling", "gradient"
 METHODS = (SAMPLING, GRADIENT)
 """How a search finds candidates: at random around good ones and by Optuna, or along derivatives."""
@@ -34,6 +37,8 @@ class TuningTask:
         seed: seed of the search and of its episodes.
         engine: engine of the environment, also in the validation.
         method: how candidates are found: `sampling` or `gradient`.
+        final_episodes: number of fresh episodes on which the best candidates are compared with the start,
+            divided as `episodes` are.
 
     Raises:
         UnknownNameError: an engine or a method that does not exist.
@@ -50,6 +55,7 @@ class TuningTask:
     seed: int = 0
     engine: str = MUJOCO
     method: str = SAMPLING
+    final_episodes: int = FINAL_EPISODES
 
     def __post_init__(self) -> None:
         choice("engine", self.engine, ENGINES)
@@ -60,6 +66,7 @@ class TuningTask:
             ("budget", 1, LARGEST_WHOLE),
             ("episodes", 1, TRAINING_SEEDS - len(self.scenarios)),
             ("seed", 0, _SEARCHES - 1),
+            ("final_episodes", 1, TRAINING_SEEDS - len(self.scenarios)),
         ):
             whole(name, getattr(self, name), least, most)
 

@@ -10,15 +10,15 @@ import numpy as np
 
 from prp_gym.tuning.candidates import Candidates
 from prp_gym.tuning.objective import EpisodeRows, Objective, mean_score
-from prp_gym.tuning.task import VALIDATION_SEED
+from prp_gym.tuning.task import FINAL_EPISODES, VALIDATION_SEED
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tune import Tuned
 
 CANDIDATES, SELECTION_EPISODES = 10, 20
 """The best candidates on the training episodes, and the fresh episodes that choose among them."""
 
-FINALISTS, FINAL_EPISODES = 3, 100
-"""The best candidates on these, and the further fresh episodes that compare them with the start."""
+FINALISTS = 3
+"""The best candidates on these, which further fresh episodes compare with the start."""
 
 STANDARD_ERRORS = 2.0
 """A candidate is better than the start if its mean is higher by more than so many errors of the gain."""
@@ -82,21 +82,28 @@ class Choice:
     validation: Validation
 
 
-def choose(tuned: Tuned, make_objective: Callable[[int, int], Objective], scores: Scores) -> Choice:
+def choose(
+    tuned: Tuned,
+    make_objective: Callable[[int, int], Objective],
+    scores: Scores,
+    final_episodes: int = FINAL_EPISODES,
+) -> Choice:
     """Validate the best candidates of a search, and choose one of them or the start.
 
-    The ten best candidates run 20 fresh episodes, the best three of them 100 more together with the start.
-    The best of these is chosen, the start unless a candidate's mean is higher by more than `STANDARD_ERRORS`
-    of the difference: 100 episodes cannot tell smaller ones from chance, and there are three to choose from.
-    The candidates' settings are rounded before; those of the start are left as they are.
+    The ten best candidates run 20 fresh episodes, the best three of them further ones together with the
+    start. The best of these is chosen, the start unless a candidate's mean is higher by more than
+    `STANDARD_ERRORS` of the difference: the episodes cannot tell smaller ones from chance, and there are
+    three to choose from. The candidates' settings are rounded before; those of the start are left as they
+    are.
 
     Args:
         tuned: what the search has tried.
         make_objective: function that gives the objective on so many episodes, from a seed on.
         scores: scores that are kept.
+        final_episodes: number of the further fresh episodes.
     """
     objective = make_objective(_SELECTION_SEED, SELECTION_EPISODES)
-    final = make_objective(VALIDATION_SEED, FINAL_EPISODES)
+    final = make_objective(VALIDATION_SEED, final_episodes)
 
     def scored(stage: Objective, names: Sequence[str]) -> list[EpisodeRows]:
         return stage.episode_scores([settings_of[name.partition(" ")[2]] for name in names])
