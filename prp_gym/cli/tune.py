@@ -41,7 +41,7 @@ from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.key import key_of
 from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search import RESULT, Search
-from prp_gym.runs.search_plan import EPISODES, SCENARIOS
+from prp_gym.runs.search_plan import SCENARIOS
 from prp_gym.runs.selection import check_names
 from prp_gym.runs.tuning_candidates import choose_controller, with_start_gains
 from prp_gym.tables import Cell, ResultTable, TableColumn
@@ -49,7 +49,7 @@ from prp_gym.tables.column import text_column
 from prp_gym.tables.formats import TERMINAL
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.setup import MUJOCO
-from prp_gym.tuning.task import FINAL_EPISODES, METHODS, SAMPLING, TuningTask
+from prp_gym.tuning.task import EPISODES, FINAL_EPISODES, METHODS, SAMPLING, TuningTask
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.tuned_controller import TunedController
 

@@ -14,7 +14,7 @@ from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.search import Search
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.setup import MUJOCO
-from prp_gym.tuning.task import TuningTask
+from prp_gym.tuning.task import EPISODES, TuningTask
 from prp_gym.tuning.tuned_controller import TunedController
 
 SCENARIOS = ("realistic", "randomized")
@@ -22,9 +22,6 @@ SCENARIOS = ("realistic", "randomized")
 
 FREQUENCY = 500.0
 """Control frequency at which controllers are tuned [Hz]."""
-
-EPISODES = 24
-"""Training episodes of every candidate, divided evenly among the scenarios."""
 
 SECONDS_WITHOUT_AGENT = 5000.0
 """Simulated time of a search on an environment for which there is no agent in the package [s]."""

@@ -18,7 +18,7 @@ from prp_gym.files.file_reader import SETTINGS_SIZE, FileReader
 from prp_gym.files.toml_table import replace_table
 from prp_gym.files.toml_text import parse_toml
 from prp_gym.tasks.setup import MUJOCO
-from prp_gym.tuning.task import FINAL_EPISODES, SAMPLING
+from prp_gym.tuning.task import EPISODES, FINAL_EPISODES, SAMPLING
 from prp_gym.tuning.tuned_controller import SEARCHES, TunedController, load_tuned_controller
 
 _DIGITS = 6  # of a factor on the target impedance: with it, settings are those validated within 5e-7
@@ -107,6 +107,8 @@ def source_of(tuned: TunedController) -> str:
     """The search that found the gains, and its validation, in a sentence."""
     checked = tuned.validation
     options = "" if tuned.engine == MUJOCO else f" --engine {tuned.engine}"
+    if tuned.episodes != EPISODES:
+        options += f" --episodes {tuned.episodes}"
     if tuned.validation.episodes != FINAL_EPISODES:
         options += f" --final-episodes {tuned.validation.episodes}"
     options += "" if tuned.method == SAMPLING else f" --method {tuned.method}"

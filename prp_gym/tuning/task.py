@@ -12,6 +12,9 @@ TRAINING_SEEDS = 1_000_000
 VALIDATION_SEED = 500_000_000
 """First seed of the episodes that no search uses."""
 
+EPISODES = 24
+"""Training episodes of every candidate, divided evenly among the scenarios."""
+
 FINAL_EPISODES = 100
 """Fresh episodes that compare the best candidates of a search with its start."""
 
@@ -51,7 +54,7 @@ class TuningTask:
     scenarios: tuple[str, ...]
     control_frequency: float
     budget: int
-    episodes: int = 24
+    episodes: int = EPISODES
     seed: int = 0
     engine: str = MUJOCO
     method: str = SAMPLING
