@@ -87,9 +87,9 @@ class CompiledGradients(CompiledPeriods):
             np.zeros(controller.initial_state.shape),
         )
         self._set({"ended": ended})
-        asked = _Gradient(controller.reverse, numbers.shape[1], 1.0 / self._loop.config.horizon)
-        asked.score, asked.numbers, asked.state = (array.ctypes.data for array in (score, numbers, state))
-        address = ctypes.addressof(asked)
+        request = _Gradient(controller.reverse, numbers.shape[1], 1.0 / self._loop.config.horizon)
+        request.score, request.numbers, request.state = (array.ctypes.data for array in (score, numbers, state))
+        address = ctypes.addressof(request)
 
         def run_rows(first: int, count: int) -> bool:
             if not self._library.prp_differentiate(first, count, self.given.address, address):

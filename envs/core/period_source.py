@@ -39,8 +39,8 @@ class PeriodSource:
         references: rows of the references; None where these are sampled ahead: with MuJoCo's physics, and
             where they cannot be traced.
         is_exact: whether every machine gives the bits of NumPy.
-        actuate: from actions to torques.
-        judge: from the measurement to ground present, observation, reward and `info`.
+        actuate: function from actions to torques.
+        judge: function from the measurement to ground truth, observation, reward and `info`.
         text: C source with the functions `prp_command` and `prp_score`, and with `prp_run` if the physics is
             compiled, too.
 
