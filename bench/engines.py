@@ -23,7 +23,9 @@ from bench.rounds import CONTACT, FREE, REACHER
 from bench.single import bare_loop, random_actions
 from prp_gym.baselines import list_baselines, make_baseline
 from prp_gym.evaluation import evaluate
+from prp_gym.gradients.score_gradient import score_gradient
 from prp_gym.tasks.setup import COMPILED, MUJOCO
+from prp_gym.tuning.episodes import Episodes
 
 FORCE = "PRP-Force-v0"
 _SIZE = 1024
@@ -35,7 +37,7 @@ class Program:
     """What a process measures.
 
     Attributes:
-        kind: `single`, `vector`, `bare`, `evaluate` or `held`.
+        kind: `single`, `vector`, `bare`, `evaluate`, `held`, `gradient` or `scores`.
         environment: environment id.
         engine: engine of the environment; empty for one of another suite.
         scenario: scenario; empty for an environment of another suite.
@@ -81,6 +83,9 @@ def comparisons() -> Iterator[Comparison]:
     for environment, goal in ((FREE, 1.0), (CONTACT, 4.0), (FORCE, 4.0)):
         one, other = (Program("held", environment, engine) for engine in (COMPILED, MUJOCO))
         yield Comparison("step of the action mode that ships, N = 8", one, other, goal)
+    for environment in _CONTROLLERS:
+        one, other = (Program(kind, environment, COMPILED) for kind in ("gradient", "scores"))
+        yield Comparison("derivatives by all settings, against scores", one, other, 1.0 / 15.0)
 
 
 def _keywords(program: Program) -> dict[str, Any]:
@@ -126,6 +131,37 @@ def _held(program: Program) -> Callable[[], float]:
     return _vector(program, 8, action_mode=mode, control_frequency=20.0)
 
 
+_CONTROLLERS = {FREE: "joint_inverse_dynamics", CONTACT: "impedance", FORCE: "force_inner_position"}
+_SEEDS = range(64)  # of episodes of 500 periods
+
+
+def _short(program: Program) -> tuple[Any, Any]:
+    """An environment with episodes of 1 s, and a controller for it."""
+    env = gymnasium.make(program.environment, duration=1.0, **_keywords(program))
+    return env, make_baseline(_CONTROLLERS[program.environment], env)
+
+
+def _gradient(program: Program) -> Callable[[], float]:
+    """Episodes with the derivatives of their scores by all settings of a controller."""
+    env, controller = _short(program)
+
+    def chunk() -> float:
+        return len(score_gradient(env, controller, _SEEDS).scores)
+
+    return chunk
+
+
+def _scores(program: Program) -> Callable[[], float]:
+    """The same episodes without derivatives."""
+    env, controller = _short(program)
+    episodes = Episodes(env, _SEEDS)
+
+    def chunk() -> float:
+        return len(episodes.run(controller).scores)
+
+    return chunk
+
+
 def _bare(program: Program) -> Callable[[], float]:
     """Bare `mj_step` calls on the same models."""
     return bare_loop(gymnasium.make(program.environment, scenario=program.scenario))
@@ -152,6 +188,8 @@ _KINDS = {
     "held": _held,
     "bare": _bare,
     "evaluate": _evaluate,
+    "gradient": _gradient,
+    "scores": _scores,
 }
 
 
@@ -207,11 +245,15 @@ def row_of(comparison: Comparison, rates: dict[Program, list[float]]) -> dict[st
         "scenario": comparison.program.scenario,
         "rate": f"{np.median(one):,.0f}",
         "reference": f"{np.median(other):,.0f}",
-        "ratio": f"{reached:.1f}",
-        "range": f"{ratio.min():.1f} to {ratio.max():.1f}",
-        "goal": f"at least {comparison.goal:g}",
+        "ratio": _short_number(reached),
+        "range": f"{_short_number(ratio.min())} to {_short_number(ratio.max())}",
+        "goal": f"at least {comparison.goal:.2g}",
         "result": "met" if reached >= comparison.goal else "missed",
     }
+
+
+def _short_number(ratio: float) -> str:
+    return f"{ratio:.1f}" if ratio >= 1.0 else f"{ratio:.2f}"
 
 
 app = typer.Typer(add_completion=False)

@@ -31,5 +31,5 @@ def test_ratio_is_the_median_over_the_rounds() -> None:
 
 def test_programs_of_a_comparison_differ_in_what_is_compared() -> None:
     found = list(comparisons())
-    assert {one.program.kind for one in found} == {"single", "vector", "evaluate", "held"}
+    assert {one.program.kind for one in found} == {"single", "vector", "evaluate", "held", "gradient"}
     assert all(one.program != one.reference for one in found)
