@@ -40,6 +40,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "envs": (),
     "baselines": (),
     "agents": ("envs",),
+    "exporting": ("baselines",),
     "gradients": ("envs",),
     "linearization": ("envs",),
     "action_modes": ("envs", "baselines"),
@@ -52,7 +53,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "viewing": ("envs", "baselines", "agents", "tuning", "reproduction", "runs"),
     "cli": (
         *("envs", "baselines", "agents", "linearization", "action_modes", "tuning", "reproduction"),
-        *("console", "runs", "recording", "comparison", "viewing"),
+        *("console", "exporting", "runs", "recording", "comparison", "viewing"),
     ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
