@@ -108,7 +108,7 @@ def _export(
         policy: Any = controllers.try_out(choice, env)
         require_traceable(policy)
         code = {"code": f"{choice.name}, SHA-256 {choice.sha256}"} if choice.sha256 else {}
-        gains = {"gain set": choice.gains.name}
+        gains = {"gains": choice.gains.name}
         with controllers.reported(choice, env):
             return c_header(policy, prefix, {**code, **gains})
 

@@ -86,7 +86,7 @@ def _settings(controller: Baseline[Any]) -> Iterator[str]:
     settings = controller.settings
     for name, unit in settings.units().items():
         numbers = ", ".join(map(repr, np.atleast_1d(getattr(settings, name)).tolist()))
-        yield f"{name} [{unit}]: {numbers}"
+        yield f"{name} [{unit}]: {numbers}" if unit else f"{name}: {numbers}"
     for name in settings.choices:
         yield f"{name}: {getattr(settings, name)}"
     yield f"robot model: {'nominal' if settings.model is None else 'given by the setting `model`'}"
