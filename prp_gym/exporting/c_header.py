@@ -98,7 +98,7 @@ def c_header(
 
 
 def default_prefix(controller: Baseline[Any]) -> str:
-    """What the names of a header begin with: `prp_<controller>_<task>`, cut to the longest that is allowed."""
+    """What all names of a header begin with: `prp_<controller>_<task>`, cut to the longest allowed length."""
     task = re.sub(r"^PRP-|-v\d+$", "", controller.interface.environment_id)
     own = controller.origin.controller.rpartition(":")[2]
     return f"prp_{_snake(own)}_{_snake(task)}"[:LONGEST_PREFIX].rstrip("_")

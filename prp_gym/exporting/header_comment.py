@@ -99,8 +99,8 @@ def _observation(layout: ObservationLayout) -> Iterator[str]:
         yield f"{field.name}, in {field.frame} coordinates: {field.description}"
         for component, index in enumerate(range(part.start, part.stop)):
             low, high = field.low[component], field.high[component]
-            name = f"{field.name}[{component}]"
-            yield f"  {index:>3}  {name:<32}  {comment_text(field.units[component]):<7}  {low:>10g}  {high:>10g}"
+            name, unit = f"{field.name}[{component}]", comment_text(field.units[component])
+            yield f"  {index:>3}  {name:<32}  {unit:<7}  {low:>10g}  {high:>10g}"
 
 
 def _output(controller: Baseline[Any]) -> Iterator[str]:
@@ -111,7 +111,7 @@ def _output(controller: Baseline[Any]) -> Iterator[str]:
 
 def _state(prefix: str, functions: ControllerFunctions) -> Iterator[str]:
     if functions.state_size:
-        yield "What the controller keeps from one period to the next; the caller has one array for each robot."
+        yield "What the controller keeps from one period to the next: an array of the caller for each robot."
         yield f"{prefix}_begin sets it from the first observation of an episode,"
         yield "and must be called before the first step. No other code may change it."
     else:
@@ -120,8 +120,8 @@ def _state(prefix: str, functions: ControllerFunctions) -> Iterator[str]:
 
 
 def _refusals() -> Iterator[str]:
-    yield "Both functions return 0, or 1 where they refuse: if the observation holds NaN, infinity or a number"
-    yield f"beyond {LARGEST_OBSERVATION:g}, or if the result would hold NaN or a number beyond {LARGEST:g}."
+    yield "Both functions return 0, or 1 where they refuse: if the observation holds NaN, infinity or a"
+    yield f"number beyond {LARGEST_OBSERVATION:g}, or if the result would hold NaN or one beyond {LARGEST:g}."
     yield "Then every torque is zero and the state is left as it is. What the robot does without torque is"
     yield "the caller's responsibility. Code that assumes finite numbers (-ffast-math) would not refuse, and"
     yield "is therefore not compiled."
@@ -137,5 +137,5 @@ def _time(functions: ControllerFunctions) -> Iterator[str]:
         if step[kind] or begin[kind]:
             yield f"{kind:<36}  {step[kind]:>6}  {begin[kind]:>6}"
     yield ""
-    yield "Measure the time on your own machine: with the counter of its cycles around many calls, the largest"
-    yield "of them for the worst case."
+    yield "Measure the time on your own machine, with its counter of cycles around each of many calls; the"
+    yield "largest number is the worst case."

@@ -97,7 +97,8 @@ class CompiledHeader:
 
 
 def _address(array: Array) -> ctypes.c_void_p:
-    assert array.dtype == np.float64 and array.flags.c_contiguous
+    assert array.dtype == np.float64
+    assert array.flags.c_contiguous
     return ctypes.c_void_p(array.ctypes.data)
 
 
@@ -114,7 +115,7 @@ int {name}_run(const double *, long, long, double *, double *);
 int {name}_one_begin(const double *, double *);
 int {name}_one_step(const double *, double *, double *);"""
         source += include * 2 + prototypes + _RUN.format(name, *sizes)
-    made = compile_strictly(source, folder, "-shared", "-fPIC", *(options or ("-O1",)))
+    made = compile_strictly(source, folder, "-shared", "-fPIC", *(options or ("-O0",)))
     library = ctypes.CDLL(str(made))
     return [CompiledHeader(header, library) for header in headers]
 

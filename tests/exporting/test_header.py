@@ -40,7 +40,8 @@ def joint_controller() -> Baseline[object]:
 def test_every_number_of_the_observation_is_explained_in_ascii(environment_id: str) -> None:
     policy = controllers(environment_id)["joint_pd"]
     header, layout = c_header(policy), policy.interface.layout
-    assert header.text.isascii() and header.observation_size == layout.size
+    assert header.text.isascii()
+    assert header.observation_size == layout.size
     rows = re.findall(r"^ \* +(\d+)  (\w+)\[(\d+)\] +(\S.*?)  +(\S+) +(\S+)$", header.text, re.MULTILINE)
     assert [int(row[0]) for row in rows] == list(range(layout.size))
     expected = [
@@ -57,8 +58,10 @@ def test_comment_names_controller_gains_environment_period_and_limits() -> None:
     policy = force_controller()
     text = c_header(policy, facts={"code": "of a user"}).text
     comment = text[: text.index("*/")]
-    assert "force_inner_position with gains 'tuned'" in comment and FORCE in comment
-    assert "0.002 s (500 Hz)" in comment and settings_digest(policy) in comment
+    assert "force_inner_position with gains 'tuned'" in comment
+    assert FORCE in comment
+    assert "0.002 s (500 Hz)" in comment
+    assert settings_digest(policy) in comment
     assert "code            of a user" in comment
     assert "bandwidth [rad/s]: 20.0" in comment
     for limit in policy.interface.torque_limit.tolist():
@@ -107,7 +110,7 @@ def test_machine_code_needs_the_mathematical_library_alone(tmp_path: Path) -> No
     header = c_header(force_controller())
     (tmp_path / "own.h").write_text(header.text, encoding="ascii")
     name = header.prefix
-    source = f'#include "own.h"\nint use(const double *, double *, double *);\nint use(const double *o, '
+    source = '#include "own.h"\nint use(const double *, double *, double *);\nint use(const double *o, '
     source += f"double *s, double *t) {{ return {name}_begin(o, s) + {name}_step(o, s, t); }}\n"
     made = compile_strictly(source, tmp_path, "-c", "-O2")
     listed = subprocess.run(["nm", str(made)], capture_output=True, text=True, check=True).stdout
@@ -155,9 +158,11 @@ def test_observation_that_python_refuses_gives_no_torque_and_leaves_the_state(
         bad[index] = number
         assert compiled.begin(bad, state) == 1
         assert compiled.step(bad, state, torque) == 1
-        assert (state == 0.5).all() and (torque == 0.0).all()
+        assert (state == 0.5).all()
+        assert (torque == 0.0).all()
         torque.fill(7.0)
-    assert compiled.begin(good, state) == 0 and compiled.step(good, state, torque) == 0
+    assert compiled.begin(good, state) == 0
+    assert compiled.step(good, state, torque) == 0
     assert (torque != 7.0).all()
 
 
@@ -176,7 +181,8 @@ def test_names_begin_with_the_prefix() -> None:
     policy = joint_controller()
     assert default_prefix(policy) == c_header(policy).prefix == "prp_joint_pd_joint_tracking"
     text = c_header(policy, "arm7").text
-    assert "arm7_step(" in text and "#define ARM7_PERIOD 0.002" in text
+    assert "arm7_step(" in text
+    assert "#define ARM7_PERIOD 0.002" in text
     assert "joint_tracking" not in text[text.index("*/") :]
     for environment_id in list_envs():
         for other in controllers(environment_id).values():

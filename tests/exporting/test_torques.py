@@ -49,7 +49,8 @@ def test_a_million_steps_of_a_controller_with_state(tmp_path: Path) -> None:
     torque, state = check(compiled, controller, sequences)
     limited = np.abs(torque) == controller.interface.torque_limit
     assert 0.1 < limited.mean() < 0.9  # torques at the limits, and within them
-    assert state.shape[1] > 40 and np.ptp(state, axis=0).max() > 0.1
+    assert state.shape[1] > 40
+    assert np.ptp(state, axis=0).max() > 0.1
 
 
 @pytest.mark.parametrize("environment_id", KINDS)
