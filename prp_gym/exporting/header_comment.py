@@ -9,7 +9,7 @@ import numpy as np
 from prp_gym.artifacts import to_plain
 from prp_gym.baselines import Baseline
 from prp_gym.evaluation.policy_state import LARGEST
-from prp_gym.exporting.ascii_text import comment_text
+from prp_gym.exporting.comment_text import comment_text
 from prp_gym.exporting.controller_functions import ControllerFunctions
 from prp_gym.exporting.operation_counts import count_operations
 from prp_gym.files.checksum import checksum

@@ -110,7 +110,7 @@ def test_controller_of_a_user_is_exported(
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        (("mine.py:branching", "--env", ID), "mine.py, line 13: DataDependentBranchError: a branch on"),
+        (("mine.py:branching", "--env", ID), "mine.py, line 14: DataDependentBranchError: a branch on"),
         (("mine.py:Free", "--env", ID), "Free has a method `predict` of its own"),
         (("joint_pd", "--env", ID, "--prefix", "1a"), "prefix is '1a'; allowed: up to"),
         (("joint_pd", "--env", ID, "--set", "derivative_gain=-1"), "derivative_gain is -1"),
