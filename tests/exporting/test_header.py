@@ -138,6 +138,15 @@ def test_headers_of_several_controllers_stand_in_one_program_in_c_plus_plus(tmp_
 
 
 @needs_compiler
+def test_main_loop_of_the_documentation_compiles(tmp_path: Path) -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+    (loop,) = re.findall(r"^```c\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    assert "prp-gym export-c force_inner_position --env PRP-ForcePosition-v0 --prefix arm --output arm.h" in page
+    (tmp_path / "arm.h").write_text(c_header(force_controller(), "arm").text, encoding="ascii")
+    compile_strictly(loop, tmp_path, "-c")
+
+
+@needs_compiler
 def test_fast_mathematics_is_refused_by_the_header(tmp_path: Path) -> None:
     with pytest.raises(AssertionError, match="must be compiled without -ffast-math"):
         compile_headers([c_header(joint_controller())], tmp_path, "-ffast-math")
