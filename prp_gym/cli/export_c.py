@@ -72,7 +72,7 @@ def export_c_command(
     holds. --output is the header, a file that ends in .h.
 
     A controller of your own can be exported too if it derives from Baseline or is a function with
-    @prp_gym.controller, and does nothing but arithmetic on arrays.
+    @prp_gym.controller, and consists of arithmetic on arrays alone.
     """
     (environment_id,) = check_names("environment", [only("--env", env)], list_envs())
     if output is not None and output.suffix != _SUFFIX:

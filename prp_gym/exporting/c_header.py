@@ -94,7 +94,14 @@ def c_header(
         _step(name, sizes, functions.step),
         f"#endif /* {guard} */\n",
     ]
-    return CHeader(name, "\n".join(parts), *sizes.values(), count_operations(functions.step))
+    return CHeader(
+        name,
+        "\n".join(parts),
+        sizes["OBSERVATION_SIZE"],
+        sizes["STATE_SIZE"],
+        sizes["TORQUE_SIZE"],
+        count_operations(functions.step),
+    )
 
 
 def default_prefix(controller: Baseline[Any]) -> str:

@@ -1,5 +1,6 @@
 """`ControllerFunctions`: a controller as two functions of numbers, its gains folded into them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -15,8 +16,6 @@ from prp_gym.symbolic.rewriting import with_constants
 
 OBSERVATION, STATE, TORQUE, NEXT_STATE = "observation", "state", "torque", "next_state"
 """Names of the arguments and results."""
-
-_BEGIN, _STEP = "begin", "step"
 
 
 @dataclass(frozen=True)
@@ -60,8 +59,11 @@ class ControllerFunctions:
             return {TORQUE: torque, NEXT_STATE: formula.row(after, 1)}
 
         shapes = {OBSERVATION: (1, size), STATE: (1, state_size)}
-        functions = (_folded(controller, name, own, shapes) for name, own in ((_BEGIN, begin), (_STEP, step)))
-        return cls(*functions, state_size)
+        return cls(
+            _folded(controller, "begin", begin, shapes),
+            _folded(controller, "step", step, shapes),
+            state_size,
+        )
 
 
 def require_traceable(controller: Any) -> None:
@@ -84,7 +86,7 @@ def require_traceable(controller: Any) -> None:
 
 
 def _folded(
-    controller: Baseline[Any], name: str, formula: Formula, shapes: dict[str, tuple[int, ...]]
+    controller: Baseline[Any], name: str, formula: Formula, shapes: Mapping[str, tuple[int, ...]]
 ) -> SymbolicFunction:
     """A formula of a controller, with its numbers as constants and without rounding."""
     traced = trace_method(name, formula, controller, shapes, CONSTANTS).function

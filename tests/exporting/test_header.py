@@ -5,6 +5,7 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,11 +29,11 @@ OF_THE_LIBRARY = {"sin", "cos", "sqrt", "atan2", "exp", "log", "fmod", "floor", 
 """Functions of <math.h> that a header may call; a compiler may join the first two."""
 
 
-def force_controller() -> Baseline[object]:
+def force_controller() -> Baseline[Any]:
     return controllers(FORCE)["force_inner_position"]
 
 
-def joint_controller() -> Baseline[object]:
+def joint_controller() -> Baseline[Any]:
     return controllers("PRP-JointTracking-v0")["joint_pd"]
 
 
@@ -141,7 +142,9 @@ def test_headers_of_several_controllers_stand_in_one_program_in_c_plus_plus(tmp_
 def test_main_loop_of_the_documentation_compiles(tmp_path: Path) -> None:
     page = (Path(__file__).resolve().parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
     (loop,) = re.findall(r"^```c\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-    assert "prp-gym export-c force_inner_position --env PRP-ForcePosition-v0 --prefix arm --output arm.h" in page
+    assert (
+        "prp-gym export-c force_inner_position --env PRP-ForcePosition-v0 --prefix arm --output arm.h" in page
+    )
     (tmp_path / "arm.h").write_text(c_header(force_controller(), "arm").text, encoding="ascii")
     compile_strictly(loop, tmp_path, "-c")
 
@@ -207,13 +210,13 @@ def test_prefix_that_cannot_begin_a_name_of_c_is_refused(prefix: str) -> None:
 
 
 class Branching(JointPDController):
-    def torque(self, observed: object) -> object:
+    def torque(self, observed: Any) -> Any:
         torque = super().torque(observed)
         return torque if (torque > 0.0).any() else 2.0 * torque
 
 
 class Predicting(JointPDController):
-    def predict(self, *arguments: object, **options: object) -> object:
+    def predict(self, *arguments: Any, **options: Any) -> Any:
         return super().predict(*arguments, **options)
 
 
