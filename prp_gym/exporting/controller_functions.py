@@ -47,7 +47,8 @@ class ControllerFunctions:
         """
         require_traceable(controller)
         size = controller.interface.layout.size
-        formula = ControllerFormula(controller, np.zeros((1, size)))  # of which only the shapes matter
+        with np.errstate(all="ignore"):  # only the shapes of this state matter
+            formula = ControllerFormula(controller, np.zeros((1, size)))
         state_size = formula.initial_state.shape[1]
 
         def begin(own: Any, observation: Any, state: Any) -> dict[str, Any]:

@@ -115,7 +115,7 @@ int {name}_run(const double *, long, long, double *, double *);
 int {name}_one_begin(const double *, double *);
 int {name}_one_step(const double *, double *, double *);"""
         source += include * 2 + prototypes + _RUN.format(name, *sizes)
-    made = compile_strictly(source, folder, "-shared", "-fPIC", *(options or ("-O0",)))
+    made = compile_strictly(source, folder, "-shared", "-fPIC", "-ffp-contract=off", *(options or ("-O0",)))
     library = ctypes.CDLL(str(made))
     return [CompiledHeader(header, library) for header in headers]
 
@@ -157,10 +157,10 @@ def varied(observations: Array, copies: int) -> Array:
 def of_python(controller: Baseline[Any], observations: Array) -> tuple[Array, Array]:
     """Torques of `control`, limited in double precision, and the final states, of sequences (E, T, size)."""
     split, limit, demanded = controller.interface.layout.split, controller.interface.torque_limit, []
-    law = controller.control
+    control = controller.control
 
     def noted(observed: Any, state: Any) -> Any:
-        result = law(observed, state)
+        result = control(observed, state)
         demanded.append(np.clip(result[0], -limit, limit))
         return result
 

@@ -157,7 +157,7 @@ def test_fast_mathematics_is_refused_by_the_header(tmp_path: Path) -> None:
 
 @needs_compiler
 @pytest.mark.parametrize("number", [np.nan, np.inf, -np.inf, 1.001e12])
-def test_observation_that_python_refuses_gives_no_torque_and_leaves_the_state(
+def test_observation_that_python_refuses_gives_zero_torques_and_leaves_the_state(
     number: float, tmp_path: Path
 ) -> None:
     policy = force_controller()
@@ -180,7 +180,7 @@ def test_observation_that_python_refuses_gives_no_torque_and_leaves_the_state(
 
 @needs_compiler
 @pytest.mark.parametrize("number", [np.nan, np.inf, 1e19])
-def test_state_that_python_refuses_gives_no_torque_and_is_left(number: float, tmp_path: Path) -> None:
+def test_state_that_python_refuses_gives_zero_torques_and_is_left(number: float, tmp_path: Path) -> None:
     header = c_header(controllers("PRP-JointTracking-v0")["joint_inverse_dynamics"])
     (compiled,) = compile_headers([header], tmp_path)
     state, torque = np.array([0.0, number, 0.0]), np.full(3, 7.0)

@@ -13,7 +13,7 @@ def line() -> SymbolicFunction:
     return trace("line", lambda a, b, x: {"y": a * x + b, "b": b}, {"a": (2,), "b": (2,), "x": (2,)})
 
 
-def test_constants_take_the_inputs_place_and_what_is_known_is_computed() -> None:
+def test_inputs_become_constants_and_what_is_known_is_computed() -> None:
     function = with_constants(line(), "folded", a=[1.0, 2.0], b=np.array([0.0, 3.0]))
     assert function.name == "folded"
     assert list(function.inputs) == ["x"]
