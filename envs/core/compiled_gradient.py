@@ -88,7 +88,9 @@ class CompiledGradients(CompiledPeriods):
         )
         self._set({"ended": ended})
         request = _Gradient(controller.reverse, numbers.shape[1], 1.0 / self._loop.config.horizon)
-        request.score, request.numbers, request.state = (array.ctypes.data for array in (score, numbers, state))
+        request.score, request.numbers, request.state = (
+            array.ctypes.data for array in (score, numbers, state)
+        )
         address = ctypes.addressof(request)
 
         def run_rows(first: int, count: int) -> bool:

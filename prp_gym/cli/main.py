@@ -12,6 +12,7 @@ from prp_gym.cli.audit import audit_command
 from prp_gym.cli.compare import compare_command
 from prp_gym.cli.evaluate import evaluate_command
 from prp_gym.cli.export import export_command
+from prp_gym.cli.export_c import export_c_command
 from prp_gym.cli.listing import list_command
 from prp_gym.cli.plot import plot_command
 from prp_gym.cli.record import record_command
@@ -35,6 +36,7 @@ COMMANDS: Mapping[str, Callable[..., None]] = {
     "compare": compare_command,
     "evaluate": evaluate_command,
     "export": export_command,
+    "export-c": export_c_command,
     "list": list_command,
     "plot": plot_command,
     "record": record_command,

@@ -1,4 +1,4 @@
-"""The one policy of a command that runs a single episode: a controller or an agent."""
+"""The one policy of a command: a controller or an agent."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +36,22 @@ def name_controller(
         raise InvalidValueError("--baseline and --agent", (controller, chosen), "one of the two")
     refuse(context, ("gains", "settings"))
     return None
+
+
+def name_by_argument(controller: str | None, baseline: Sequence[str]) -> str:
+    """The controller of a command, named by its argument or by the option.
+
+    Args:
+        controller: argument of the command.
+        baseline: values of `--baseline`.
+
+    Raises:
+        InvalidValueError: named by none of the two, or by both.
+    """
+    given = [*([controller] if controller is not None else []), *baseline]
+    if len(given) != 1:
+        raise InvalidValueError("controller and --baseline", given, "exactly one name by the two together")
+    return given[0]
 
 
 def name_agent(agent: Sequence[Path] | None) -> str | None:

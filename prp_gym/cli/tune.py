@@ -12,6 +12,7 @@ import typer
 
 import prp_gym
 from prp_gym.cli import completion
+from prp_gym.cli.one_policy import name_by_argument
 from prp_gym.cli.options import (
     Budget,
     ControlFrequency,
@@ -113,7 +114,7 @@ def tune_command(
     """
     (environment_id,) = check_names("environment", [only("--env", env)], list_envs())
     steps = _budget(budget, like, control_frequency)
-    chosen = _one_name(controller, baseline or [])
+    chosen = name_by_argument(controller, baseline or [])
     choice, controllers = choose_controller(chosen, GainsChoice.read(gains or TUNED, settings or ()))
     if gains is None:
         choice = with_start_gains(choice, controllers, environment_id, control_frequency)
@@ -128,18 +129,6 @@ def tune_command(
         result = _run(search, controllers, terminal)
     lines = [*_findings(result), f"result: {search.folder / RESULT}"]
     terminal.report(asdict(result), [_table(result)], _notes(result), lines)
-
-
-def _one_name(controller: str | None, baseline: Sequence[str]) -> str:
-    """The controller, named by the argument or by the option.
-
-    Raises:
-        InvalidValueError: named by none of the two, or by both.
-    """
-    given = [*([controller] if controller is not None else []), *baseline]
-    if len(given) != 1:
-        raise InvalidValueError("controller and --baseline", given, "exactly one name by the two together")
-    return given[0]
 
 
 def _budget(budget: int | None, like: str | None, control_frequency: float) -> int:

@@ -11,7 +11,7 @@ from rich.console import Console
 from prp_gym.artifacts import to_plain
 from prp_gym.console.bars import Bars
 from prp_gym.console.consoles import make_console
-from prp_gym.console.legible import is_unicode, legible, legible_table
+from prp_gym.console.legible import is_unicode, legible_table
 from prp_gym.console.lines import Lines
 from prp_gym.console.progress import Progress
 from prp_gym.console.silence import Silence
@@ -19,6 +19,7 @@ from prp_gym.errors import InvalidValueError
 from prp_gym.tables import ResultTable
 from prp_gym.tables.formats import JSON, TERMINAL, write_tables
 from prp_gym.tables.json_text import plain_tables
+from prp_gym.tables.legible_text import legible
 
 _SENTENCE = 0.5
 """Longest word of a line that is wrapped, in parts of the width."""

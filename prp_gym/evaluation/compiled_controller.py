@@ -50,6 +50,20 @@ class ControllerFormula:
         rows = [part.reshape(count, -1).astype(np.float64) for part in state]
         return np.concatenate([np.zeros((count, 0)), *rows], axis=1)
 
+    def begin(self, controller: Any, observation: Any) -> Any:
+        """State at the start of an episode in a row (1, size), of symbolic arrays.
+
+        Args:
+            controller: copy of the controller, whose numbers are symbolic.
+            observation: first observation (1, size).
+
+        Raises:
+            UntraceableError: a controller that keeps something outside of its state.
+        """
+        observed = _split(controller, observation)
+        state = of_arguments_alone(controller, lambda: controller.initial_state(observed), observation)
+        return self.row(tuple(state), 1)
+
     def __call__(self, controller: Any, observation: Any, state: Any) -> tuple[Any, tuple[Any, ...]]:
         """Action and state a period later, of symbolic arrays.
 
@@ -62,8 +76,7 @@ class ControllerFormula:
             UntraceableError: a controller that keeps something outside of its state, or returns an action or
                 a state of another shape.
         """
-        observed = {name: observation[..., part] for name, part in controller.interface.layout.slices.items()}
-        parts, first = [], 0
+        observed, parts, first = _split(controller, observation), [], 0
         for shape, kind in zip(self._shapes, self._kinds, strict=True):
             last = first + int(np.prod(shape, dtype=np.intp))
             parts.append(state[:, first:last].reshape((1, *shape)).astype(kind))
@@ -141,3 +154,8 @@ def _refused(action: Any, after: Any) -> dict[str, Any]:
     kept = np.concatenate([part.astype(np.float64).reshape((1, -1)) for part in after], axis=1)
     allowed = (np.abs(kept) <= LARGEST).all(axis=1, keepdims=True)
     return {"action": np.where(allowed, action.astype(np.float64), np.nan), "after": kept}
+
+
+def _split(controller: Any, observation: Any) -> dict[str, Any]:
+    """The fields of a symbolic observation (1, size) by name."""
+    return {name: observation[..., part] for name, part in controller.interface.layout.slices.items()}

@@ -24,7 +24,7 @@ class ScoreGradient:
             the setting [1 / unit of the setting]; empty for a controller without declared settings.
         by_number: derivatives of the mean score by all numbers that the controller keeps (P), in the order of
             `prp_gym.symbolic.lifting.numbers_of`.
-        diverged: mask (N) of episodes that ended in a divergence, up to which their scores are differentiated.
+        diverged: mask (N) of episodes that ended in a divergence, up to which scores are differentiated.
     """
 
     seeds: tuple[int, ...]

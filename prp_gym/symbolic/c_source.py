@@ -1,6 +1,6 @@
 """C code of symbolic functions: straight-line arithmetic that needs the mathematical library alone."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 
 from prp_gym.symbolic.function import SymbolicFunction
@@ -23,21 +23,28 @@ def c_function(function: SymbolicFunction, linkage: str = "static inline") -> st
     """
     arguments = [f"const double *restrict {name}" for name in function.inputs]
     arguments += [f"double *restrict {name}" for name in function.outputs]
-    lines = list(_statements(function))
-    return f"{linkage} void {function.name}(\n    {_comma(arguments)})\n{{\n{''.join(lines)}}}\n"
+    lines = "".join(c_statements(function))
+    return f"{linkage} void {function.name}(\n    {_comma(arguments)})\n{{\n{lines}}}\n"
 
 
 def _comma(parts: Iterable[str]) -> str:
     return ",\n    ".join(parts)
 
 
-def _statements(function: SymbolicFunction) -> Iterable[str]:
+def c_statements(function: SymbolicFunction) -> Iterator[str]:
+    """The C statements, line by line, that compute a symbolic function.
+
+    They read the arrays that are named as the inputs, and at the end write those named as the outputs.
+
+    Args:
+        function: symbolic function.
+    """
     names: dict[Node, str] = {}
     for node in function.nodes():
         if node.is_input:
             names[node] = node.name
         elif node.operation is None:
-            names[node] = _literal(node.value)
+            names[node] = c_literal(node.value)
         else:
             names[node] = f"t{node.index}"
             kind = "int" if node.is_boolean else "double"
@@ -48,8 +55,8 @@ def _statements(function: SymbolicFunction) -> Iterable[str]:
             yield f"    {name}[{position}] = {names[node]};\n"
 
 
-def _literal(value: float) -> str:
-    """A number with all digits."""
+def c_literal(value: float) -> str:
+    """The C text of a number with all digits."""
     if value != value or abs(value) == float("inf"):
         return "NAN" if value != value else ("INFINITY" if value > 0.0 else "(-INFINITY)")
     return repr(value) if value >= 0.0 and not str(value).startswith("-") else f"({value!r})"

@@ -9,6 +9,7 @@ from prp_gym.symbolic.array import SymbolicArray
 from prp_gym.symbolic.function import SymbolicFunction
 from prp_gym.symbolic.graph import Graph, Node, reached
 from prp_gym.symbolic.operations import SINGLE
+from prp_gym.symbolic.rewriting import rewritten
 
 
 def adjoints(seeds: Mapping[Node, Node | float]) -> dict[Node, Node]:
@@ -88,25 +89,11 @@ def unrounded(function: SymbolicFunction, name: str) -> SymbolicFunction:
         function: function.
         name: name of the new function.
     """
-    graph, known = Graph(), dict[Node, Node]()
-    for node in function.nodes():
-        if node.is_input:
-            known[node] = graph.input(node.name)
-        elif node.operation is None:
-            known[node] = graph.constant(node.value)
-        elif node.operation is SINGLE:
-            known[node] = known[node.arguments[0]]
-        else:
-            known[node] = graph.apply(node.operation, *(known[argument] for argument in node.arguments))
-    inputs = {each: SymbolicArray.inputs(graph, each, array.shape) for each, array in function.inputs.items()}
-    outputs = {each: _replaced(graph, array, known) for each, array in function.outputs.items()}
-    return SymbolicFunction(name, inputs, outputs)
+    return rewritten(function, name, _without_rounding)
 
 
-def _replaced(graph: Graph, array: SymbolicArray, known: Mapping[Node, Node]) -> SymbolicArray:
-    nodes = np.empty(array.size, dtype=object)
-    nodes[:] = [known[node] for node in array.flat()]
-    return SymbolicArray(graph, nodes.reshape(array.shape))
+def _without_rounding(_: Graph, node: Node, arguments: tuple[Node, ...]) -> Node | None:
+    return arguments[0] if node.operation is SINGLE else None
 
 
 def _gradient(graph: Graph, derivative: Mapping[Node, Node], inputs: list[Node]) -> list[Node]:

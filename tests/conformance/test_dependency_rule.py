@@ -40,6 +40,7 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "envs": (),
     "baselines": (),
     "agents": ("envs",),
+    "exporting": ("baselines",),
     "gradients": ("envs",),
     "linearization": ("envs",),
     "action_modes": ("envs", "baselines"),
@@ -51,8 +52,8 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "comparison": ("envs", "baselines", "agents", "tuning", "runs"),
     "viewing": ("envs", "baselines", "agents", "tuning", "reproduction", "runs"),
     "cli": (
-        *("envs", "baselines", "agents", "linearization", "action_modes", "tuning", "reproduction"),
-        *("console", "runs", "recording", "comparison", "viewing"),
+        *("envs", "baselines", "agents", "linearization", "gradients", "action_modes", "tuning"),
+        *("reproduction", "console", "exporting", "runs", "recording", "comparison", "viewing"),
     ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""

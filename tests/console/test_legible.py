@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from prp_gym.console.legible import legible, legible_table
+from prp_gym.console.legible import legible_table
 from prp_gym.tables import Cell, ResultTable, TableColumn
+from prp_gym.tables.legible_text import legible
 
 ROOT = Path(__file__).resolve().parents[2]
 
