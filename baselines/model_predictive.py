@@ -1,0 +1,140 @@
+"""Model-predictive control of the joints: one iteration of iterative LQR in each control period."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from prp_gym.baselines.base.policy import Baseline, ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.references import JointReference
+from prp_gym.baselines.base.settings import Settings, Vector
+from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
+from prp_gym.baselines.predictive.formulas import KNOTS
+from prp_gym.baselines.predictive.grid import interval_durations, shifted
+from prp_gym.baselines.predictive.iteration import Problem, improve
+from prp_gym.robot.arrays import Array, apply
+from prp_gym.symbolic.array import is_symbolic, untraceable
+
+
+@dataclass(frozen=True, eq=False)
+class ModelPredictiveSettings(Settings):
+    """Settings of `ModelPredictiveController`.
+
+    Attributes:
+        position_weight: Q_P (joints), above 0 [1/rad², 1/m², 1/rad²].
+        velocity_weight: Q_V (joints) [(s/rad)², (s/m)², (s/rad)²].
+        observer_gain: λ (joints), rate at which the disturbance torque is estimated [1/s].
+        planned_share: α (joints), share of the actuator limits within which all torques but the one that is
+            applied are planned, above 0; what it lacks to 1 is the margin for the model's errors [1].
+        horizon: T, duration of the plan, at least 16 control periods [s].
+    """
+
+    position_weight: Any
+    velocity_weight: Any
+    observer_gain: Any = 0.0
+    planned_share: Any = 1.0
+    horizon: Any = 0.3
+
+    vectors: ClassVar = {
+        "position_weight": Vector("joint", "1/rad², 1/m², 1/rad²", above_zero=True),
+        "velocity_weight": Vector("joint", "s²/rad², s²/m², s²/rad²"),
+        "observer_gain": Vector("joint", "1/s"),
+        "planned_share": Vector("joint", "1", above_zero=True),
+    }
+    numbers: ClassVar = {"horizon": "s"}
+
+
+class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
+    """TODO."""
+
+    measured_fields = ("joint_position", "joint_velocity")
+    settings_class = ModelPredictiveSettings
+    compiled = False
+
+    def __init__(self, interface: ControlInterface, settings: ModelPredictiveSettings) -> None:
+        super().__init__(interface, settings)
+        self._duration = interval_durations(interface.period, self.settings.horizon)
+        self._end = np.cumsum(self._duration, axis=0)
+
+    def initial_state(self, observed: Observed) -> ControllerState:
+        """Plan less τ_d, disturbance torque and expected velocity (..., size): zero, zero, and as it is."""
+        velocity = observed["joint_velocity"]
+        lead, joints = velocity.shape[:-1], velocity.shape[-1]
+        return np.zeros((*lead, KNOTS * joints)), np.zeros((*lead, joints)), velocity.copy()
+
+    def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
+        """See the class."""
+        if is_symbolic(observed["joint_position"]):
+            raise untraceable("the optimisation of a plan")
+        lead, joints = observed["joint_position"].shape[:-1], observed["joint_position"].shape[-1]
+        rows = {name: values.reshape(-1, values.shape[-1]) for name, values in observed.items()}
+        plan, disturbance, expected = (part.reshape(-1, part.shape[-1]) for part in state)
+        disturbance = self._estimated(rows, disturbance, expected)
+        problem = self._problem(rows, disturbance)
+        relative = shifted(plan.reshape(-1, KNOTS, joints), self._duration)
+        found = improve(self.model, problem, relative + problem.effort)
+        after = (found.torque - problem.effort).reshape(*lead, -1), disturbance, found.expected[:, joints:]
+        torque = found.torque[:, 0] - disturbance
+        return torque.reshape(*lead, joints), tuple(part.reshape(*lead, part.shape[-1]) for part in after)
+
+    def _estimated(self, observed: Observed, disturbance: Array, expected: Array) -> Array:
+        """The disturbance torque (M, joints), within the actuator limits."""
+        B, limit = self.model.inertia_matrix(observed["joint_position"]), self.interface.torque_limit
+        missing = apply(B, observed["joint_velocity"] - expected)
+        estimate = disturbance + self.settings.observer_gain * missing
+        return np.minimum(np.maximum(estimate, -limit), limit)
+
+    def _problem(self, observed: Observed, disturbance: Array) -> Problem:
+        """The problem of each plan, in torques τ + d̂."""
+        reference, limit = self.references.joint(observed), self.interface.torque_limit
+        ends, middles = (_extrapolated(reference, self._end - share * self._duration) for share in (0.0, 0.5))
+        desired = np.concatenate([ends.position, ends.velocity], axis=-1)
+        B = self.model.inertia_matrix(middles.position)
+        effort = apply(B, middles.acceleration) + self.model.bias_force(middles.position, middles.velocity)
+        share = np.ones((KNOTS, 1)) * self.settings.planned_share
+        share[0] = 1.0
+        state = np.concatenate([observed["joint_position"], observed["joint_velocity"]], axis=-1)
+        return Problem(
+            state=state,
+            duration=self._duration,
+            desired=desired,
+            weight=self._weight(B[:, -1]),
+            effort=effort,
+            effort_weight=self._duration / self._rated**2,
+            low=disturbance[:, None] - share * limit,
+            high=disturbance[:, None] + share * limit,
+        )
+
+    @property
+    def _rated(self) -> Array:
+        """The nominal actuator limits (joints), in whose shares torques are weighed [N m, N, N m]."""
+        return np.array(self.model.parameters.torque_limit)
+
+    def _weight(self, inertia: Array) -> Array:
+        """Weights (M, N, 3 joints) of the errors, the last ones with the cost after the horizon."""
+        p, s = self.settings.position_weight, self.settings.velocity_weight
+        stage = np.concatenate([p, 0.0 * p, s])
+        weight = np.repeat((self._duration * stage)[None], len(inertia), axis=0)
+        r = (np.diagonal(inertia, axis1=-2, axis2=-1) / self._rated) ** 2
+        mixed = np.sqrt(p * r)
+        rate = np.sqrt(s + 2.0 * mixed)
+        weight[:, -1] += np.concatenate([np.sqrt(p) * rate, mixed, np.sqrt(r) * rate], axis=-1)
+        return weight
+
+
+def _extrapolated(reference: JointReference, time: Array) -> JointReference:
+    """The motion (M, N, joints) at times (N, 1) from now, with constant acceleration."""
+    position, velocity, acceleration = (part[:, None] for part in reference)
+    later = position + time * (velocity + 0.5 * time * acceleration)
+    return JointReference(later, velocity + time * acceleration, acceleration + 0.0 * time)
+
+
+register_controller(
+    ControllerSpec(
+        name="model_predictive",
+        summary="model-predictive control: one iteration of iterative LQR with torque limits in each period",
+        policy=ModelPredictiveController,
+        data=ControllerData.beside(__file__),
+        command_inputs=("joint_offset",),
+    )
+)
