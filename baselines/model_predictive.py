@@ -13,7 +13,14 @@ from prp_gym.baselines.predictive.formulas import KNOTS
 from prp_gym.baselines.predictive.grid import interval_durations, shifted
 from prp_gym.baselines.predictive.iteration import Problem, improve
 from prp_gym.robot.arrays import Array, apply
+from prp_gym.robot.link import Link
 from prp_gym.symbolic.array import is_symbolic, untraceable
+
+LIMITED = 1.0 - 1e-9
+"""Share of an actuator's limit from which it counts as reached."""
+
+STOP_FACTOR = 10.0
+"""Weight of a position beyond a joint stop, in multiples of that of a position error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +30,8 @@ class ModelPredictiveSettings(Settings):
     Attributes:
         position_weight: Q_P (joints), above 0 [1/rad², 1/m², 1/rad²].
         velocity_weight: Q_V (joints) [(s/rad)², (s/m)², (s/rad)²].
+        error_scale: δ (joints), position error about which its cost turns from quadratic to linear, above 0
+            [rad, m, rad].
         observer_gain: λ (joints), rate at which the disturbance torque is estimated [1/s].
         planned_share: α (joints), share of the actuator limits within which all torques but the one that is
             applied are planned, above 0; what it lacks to 1 is the margin for the model's errors [1].
@@ -31,6 +40,7 @@ class ModelPredictiveSettings(Settings):
 
     position_weight: Any
     velocity_weight: Any
+    error_scale: Any
     observer_gain: Any = 0.0
     planned_share: Any = 1.0
     horizon: Any = 0.3
@@ -38,6 +48,7 @@ class ModelPredictiveSettings(Settings):
     vectors: ClassVar = {
         "position_weight": Vector("joint", "1/rad², 1/m², 1/rad²", above_zero=True),
         "velocity_weight": Vector("joint", "s²/rad², s²/m², s²/rad²"),
+        "error_scale": Vector("joint", "rad, m, rad", above_zero=True),
         "observer_gain": Vector("joint", "1/s"),
         "planned_share": Vector("joint", "1", above_zero=True),
     }
@@ -68,13 +79,15 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
             raise untraceable("the optimisation of a plan")
         lead, joints = observed["joint_position"].shape[:-1], observed["joint_position"].shape[-1]
         rows = {name: values.reshape(-1, values.shape[-1]) for name, values in observed.items()}
-        plan, disturbance, expected = (part.reshape(-1, part.shape[-1]) for part in state)
-        disturbance = self._estimated(rows, disturbance, expected)
+        plan, before, expected = (part.reshape(-1, part.shape[-1]) for part in state)
+        disturbance = self._estimated(rows, before, expected)
         problem = self._problem(rows, disturbance)
         relative = shifted(plan.reshape(-1, KNOTS, joints), self._duration)
         found = improve(self.model, problem, relative + problem.effort)
-        after = (found.torque - problem.effort).reshape(*lead, -1), disturbance, found.expected[:, joints:]
         torque = found.torque[:, 0] - disturbance
+        limited = (np.abs(torque) >= LIMITED * self.interface.torque_limit).any(axis=-1)
+        kept = np.where(limited[:, None], before, disturbance)
+        after = (found.torque - problem.effort).reshape(len(kept), -1), kept, found.expected[:, joints:]
         return torque.reshape(*lead, joints), tuple(part.reshape(*lead, part.shape[-1]) for part in after)
 
     def _estimated(self, observed: Observed, disturbance: Array, expected: Array) -> Array:
@@ -94,16 +107,27 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
         share = np.ones((KNOTS, 1)) * self.settings.planned_share
         share[0] = 1.0
         state = np.concatenate([observed["joint_position"], observed["joint_velocity"]], axis=-1)
+        weight = self._weight(B[:, -1])
         return Problem(
             state=state,
             duration=self._duration,
             desired=desired,
-            weight=self._weight(B[:, -1]),
+            weight=weight,
+            threshold=weight[..., : len(limit)] * self.settings.error_scale**2,
             effort=effort,
             effort_weight=self._duration / self._rated**2,
+            stops=np.repeat(self._stops[None], KNOTS, axis=0),
+            stop_weight=self._duration * STOP_FACTOR * self.settings.position_weight,
             low=disturbance[:, None] - share * limit,
             high=disturbance[:, None] + share * limit,
         )
+
+    @property
+    def _stops(self) -> Array:
+        """Least and greatest joint positions (2 joints) [rad, m, rad]; the link has none."""
+        if isinstance(self.model, Link):
+            return np.array([-np.inf, np.inf])
+        return np.concatenate(self.model.joint_limits)
 
     @property
     def _rated(self) -> Array:

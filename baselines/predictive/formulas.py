@@ -71,7 +71,7 @@ def backward(
 ) -> dict[str, Any]:
     """`backward_step` about the state at the end of an interval, to whose cost that of the later ones adds."""
     own = Knot(**knot)
-    to_go = slope_after + cost_slope(position, velocity, own), curvature_after + cost_curvature(own)
+    to_go = slope_after + cost_slope(position, velocity, own), curvature_after + cost_curvature(position, velocity, own)
     effort = torque - own.effort, own.effort_weight
     derivatives = by_position, by_velocity, by_torque
     return backward_step(derivatives, duration, to_go, effort, (low - torque, high - torque))._asdict()
@@ -92,7 +92,15 @@ def functions_of(model: Model) -> Functions:
     """The traced formulas of a model; derivatives are those of the velocity at the end of an interval."""
     n = model.joint_count
     state: Shapes = {"position": (n,), "velocity": (n,), "torque": (n,)}
-    knot: Shapes = {"desired": (2 * n,), "weight": (WEIGHTS * n,), "effort": (n,), "effort_weight": (n,)}
+    knot: Shapes = {
+        "desired": (2 * n,),
+        "weight": (WEIGHTS * n,),
+        "threshold": (n,),
+        "effort": (n,),
+        "effort_weight": (n,),
+        "stops": (2 * n,),
+        "stop_weight": (n,),
+    }
     bounds: Shapes = {"low": (n,), "high": (n,)}
     around: Shapes = {f"by_{name}": (n, n) for name in state} | {"duration": (1,)}
     after: Shapes = {"slope_after": (2 * n,), "curvature_after": (2 * n, 2 * n)}

@@ -5,7 +5,8 @@
 
 /* The problem of one plan; arrays of PRP_KNOTS rows, but for the state at the start. */
 typedef struct {
-    const double *state, *duration, *desired, *weight, *effort, *effort_weight, *low, *high;
+    const double *state, *duration, *desired, *weight, *threshold, *effort, *effort_weight, *stops, *stop_weight;
+    const double *low, *high;
 } prp_problem;
 
 /* A plan: its torques, and the states at the ends of its intervals. */
@@ -38,7 +39,8 @@ static double prp_forward(
             now, now + PRP_JOINTS, plan->torque[k], problem->duration + k, later, later + PRP_JOINTS);
         prp_cost(
             later, later + PRP_JOINTS, plan->torque[k], problem->desired + k * PRP_STATE,
-            problem->weight + k * PRP_WEIGHTS, problem->effort + joint, problem->effort_weight + joint, &cost);
+            problem->weight + k * PRP_WEIGHTS, problem->threshold + joint, problem->effort + joint,
+            problem->effort_weight + joint, problem->stops + k * PRP_STATE, problem->stop_weight + joint, &cost);
         total = total + cost;
         now = later, before = old->state[k];
     }
@@ -60,24 +62,27 @@ static void prp_improving_step(const prp_problem *problem, const prp_plan *plan,
         prp_backward(
             later, later + PRP_JOINTS, plan->torque[k], by_position, by_velocity, by_torque,
             problem->duration + k, slope[from], curvature[from], problem->low + joint, problem->high + joint,
-            problem->desired + k * PRP_STATE, problem->weight + k * PRP_WEIGHTS, problem->effort + joint,
-            problem->effort_weight + joint, step->change[k], step->gain[k], slope[to], curvature[to]);
+            problem->desired + k * PRP_STATE, problem->weight + k * PRP_WEIGHTS, problem->threshold + joint,
+            problem->effort + joint, problem->effort_weight + joint, problem->stops + k * PRP_STATE,
+            problem->stop_weight + joint, step->change[k], step->gain[k], slope[to], curvature[to]);
     }
 }
 
 /* Improve plans (count, PRP_KNOTS, PRP_JOINTS); expected: the state (count, PRP_STATE) after their first
- * interval; cost: before and after (count, 2). Durations and effort weights are those of all plans. */
+ * interval; cost: before and after (count, 2). Durations, effort
+ * weights, stops and stop weights are those of all plans. */
 void prp_improve(
     long count, const double *state, const double *duration, const double *desired, const double *weight,
-    const double *effort, const double *effort_weight, const double *low, const double *high,
-    double *restrict torque, double *restrict expected, double *restrict cost)
+    const double *threshold, const double *effort, const double *effort_weight, const double *stops,
+    const double *stop_weight, const double *low, const double *high, double *restrict torque,
+    double *restrict expected, double *restrict cost)
 {
     const prp_step still = {0};
     for (long row = 0; row < count; row++) {
         const long first = row * PRP_KNOTS, joint = first * PRP_JOINTS;
         const prp_problem problem = {
             state + row * PRP_STATE, duration, desired + first * PRP_STATE, weight + first * PRP_WEIGHTS,
-            effort + joint, effort_weight, low + joint, high + joint};
+            threshold + joint, effort + joint, effort_weight, stops, stop_weight, low + joint, high + joint};
         prp_plan given, plans[2];
         prp_step step;
         const prp_plan *best = plans;

@@ -8,6 +8,7 @@ import numpy as np
 
 from prp_gym.baselines.base.policy import Model
 from prp_gym.baselines.predictive.formulas import KNOTS, Motion, backward, cost, follow, functions_of, source_of
+from prp_gym.baselines.predictive.knots import Knot
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default, load_library
 
@@ -24,8 +25,11 @@ class Problem:
         duration: h (N, 1) of the intervals [s].
         desired: q_d and q̇_d (M, N, 2n) at the ends of the intervals.
         weight: W_p, W_m and W_v (M, N, 3n) of the errors there.
+        threshold: κ (M, N, n).
         effort: τ_d (M, N, n) [N m, N, N m].
         effort_weight: R (N, n).
+        stops: least and greatest position (N, 2n).
+        stop_weight: W_s (N, n).
         low: least torque (M, N, n) [N m, N, N m].
         high: greatest torque (M, N, n).
     """
@@ -34,8 +38,11 @@ class Problem:
     duration: Array
     desired: Array
     weight: Array
+    threshold: Array
     effort: Array
     effort_weight: Array
+    stops: Array
+    stop_weight: Array
     low: Array
     high: Array
 
@@ -112,8 +119,8 @@ def improve_with_numpy(model: Model, problem: Problem, torque: Array) -> Improve
 
 def _by_knot(problem: Problem) -> list[dict[str, Any]]:
     """The arguments of the formulas for each interval."""
-    shared = ("duration", "effort_weight")
-    own = ("desired", "weight", "effort", "low", "high")
+    shared = ("duration", "effort_weight", "stops", "stop_weight")
+    own = ("desired", "weight", "threshold", "effort", "low", "high")
     return [
         {name: getattr(problem, name)[k] for name in shared}
         | {name: getattr(problem, name)[:, k] for name in own}
@@ -130,7 +137,7 @@ def _taken(knot: dict[str, Any], *names: str) -> dict[str, Any]:
     return {name: knot[name] for name in names}
 
 
-_COST = ("desired", "weight", "effort", "effort_weight")
+_COST = Knot._fields
 
 
 def _forward(

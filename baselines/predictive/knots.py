@@ -1,8 +1,10 @@
 """The formulas of one knot of a plan: motion, cost, and the steps of the backward and the forward pass.
 
 A plan holds the torques τ_k of N intervals between knots, of duration h_k each. Symbols: x = (q, q̇);
-w = q̇ at the end of an interval; W_p, W_m, W_v are the weights of ½(W_p e² + 2 W_m e ė + W_v ė²) with the
-errors e = q_d - q, ė = q̇_d - q̇ at a knot; R that of ½ R (τ - τ_d)².
+w = q̇ at the end of an interval; W_p, W_m, W_v are the weights of V = ½(W_p e² + 2 W_m e ė + W_v ė²) with the
+errors e = q_d - q, ė = q̇_d - q̇ of a joint at a knot. They cost κ(√(1 + 2V/κ) - 1), which is V while it is
+small and grows as the errors beyond; torques cost ½ R (τ - τ_d)², a position beyond a joint stop ½ W_s of the
+distance squared.
 """
 
 from typing import NamedTuple
@@ -23,14 +25,20 @@ class Knot(NamedTuple):
     Attributes:
         desired: q_d and q̇_d (..., 2n) at its end.
         weight: W_p, W_m and W_v (..., 3n) at its end.
+        threshold: κ (..., n), about which the cost of errors turns from quadratic to linear.
         effort: τ_d (..., n) [N m, N, N m].
         effort_weight: R (..., n).
+        stops: least and greatest position (..., 2n), beyond which it costs.
+        stop_weight: W_s (..., n) of the distance beyond.
     """
 
     desired: Array
     weight: Array
+    threshold: Array
     effort: Array
     effort_weight: Array
+    stops: Array
+    stop_weight: Array
 
 
 def knot_motion(
@@ -56,26 +64,60 @@ def knot_motion(
 
 
 def knot_cost(position: Array, velocity: Array, torque: Array, knot: Knot) -> Array:
-    """Cost (..., 1) of an interval, from the state at its end and its torque."""
-    W_p, W_m, W_v = _thirds(knot.weight)
-    desired, rate = _halves(knot.desired)
-    e, e_dot, over = desired - position, rate - velocity, torque - knot.effort
-    own = W_p * e * e + 2.0 * W_m * e * e_dot + W_v * e_dot * e_dot + knot.effort_weight * over * over
-    return 0.5 * total(own)[..., None]
+    """Cost (..., 1) of an interval, from the state at its end and its torque.
+
+    Args:
+        position: q (..., n).
+        velocity: q̇ (..., n).
+        torque: τ (..., n) [N m, N, N m].
+        knot: the rest.
+    """
+    growth = _growth(position, velocity, knot)
+    beyond, over = _beyond(position, knot), torque - knot.effort
+    own = 2.0 * knot.threshold * (growth - 1.0) + knot.stop_weight * beyond * beyond
+    return 0.5 * total(own + knot.effort_weight * over * over)[..., None]
 
 
 def cost_slope(position: Array, velocity: Array, knot: Knot) -> Array:
     """Derivatives (..., 2n) of `knot_cost` by the position and the velocity."""
     W_p, W_m, W_v = _thirds(knot.weight)
+    e, e_dot = _errors(position, velocity, knot)
+    growth, stop = _growth(position, velocity, knot), knot.stop_weight * _beyond(position, knot)
+    of_position = stop - (W_p * e + W_m * e_dot) / growth
+    return np.concatenate([of_position, -(W_m * e + W_v * e_dot) / growth], axis=-1)
+
+
+def cost_curvature(position: Array, velocity: Array, knot: Knot) -> Array:
+    """A bound (..., 2n, 2n) of the second derivatives of `knot_cost` by the position and the velocity.
+
+    It belongs to the parabola that touches the cost here and is nowhere below it.
+
+    Source: Huber 1981, 7.8.
+    """
+    growth = _growth(position, velocity, knot)
+    W_p, W_m, W_v = (weight / growth for weight in _thirds(knot.weight))
+    stop = np.where(_beyond(position, knot) == 0.0, 0.0, knot.stop_weight)
+    return _blocks(_diagonal(W_p + stop), _diagonal(W_m), _diagonal(W_v))
+
+
+def _errors(position: Array, velocity: Array, knot: Knot) -> tuple[Array, Array]:
+    """Errors e and ė (..., n)."""
     desired, rate = _halves(knot.desired)
-    e, e_dot = desired - position, rate - velocity
-    return -np.concatenate([W_p * e + W_m * e_dot, W_m * e + W_v * e_dot], axis=-1)
+    return desired - position, rate - velocity
 
 
-def cost_curvature(knot: Knot) -> Array:
-    """Second derivatives (..., 2n, 2n) of `knot_cost` by the position and the velocity."""
-    W_p, W_m, W_v = (_diagonal(weight) for weight in _thirds(knot.weight))
-    return _blocks(W_p, W_m, W_v)
+def _growth(position: Array, velocity: Array, knot: Knot) -> Array:
+    """√(1 + 2V/κ) (..., n) of the quadratic V of each joint's errors."""
+    W_p, W_m, W_v = _thirds(knot.weight)
+    e, e_dot = _errors(position, velocity, knot)
+    twice = W_p * e * e + 2.0 * W_m * e * e_dot + W_v * e_dot * e_dot
+    return np.sqrt(1.0 + twice / knot.threshold)
+
+
+def _beyond(position: Array, knot: Knot) -> Array:
+    """How far positions are beyond the joint stops (..., n), negative below the lower ones."""
+    lowest, highest = _halves(knot.stops)
+    return np.maximum(position - highest, 0.0) + np.minimum(position - lowest, 0.0)
 
 
 class Backward(NamedTuple):
