@@ -19,7 +19,7 @@ typedef struct {
     double change[PRP_KNOTS][PRP_JOINTS], gain[PRP_KNOTS][PRP_JOINTS * PRP_STATE];
 } prp_step;
 
-static const double PRP_NO_STEP = 0.0, PRP_SHARES[] = {1.0, 0.5, 0.25, 0.125};
+static const double PRP_NO_STEP = 0.0, PRP_SHARES[] = {1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125};
 
 /* The forward pass: a new plan from an old one and a share of a step; returns its cost. */
 static double prp_forward(
@@ -91,7 +91,7 @@ void prp_improve(
         double least = prp_forward(&problem, &given, &still, &PRP_NO_STEP, plans);
         cost[2 * row] = least;
         prp_improving_step(&problem, plans, &step);
-        for (int trial = 0; trial < 4 && best == plans; trial++) {
+        for (int trial = 0; trial < (int)(sizeof PRP_SHARES / sizeof *PRP_SHARES) && best == plans; trial++) {
             const double found = prp_forward(&problem, plans, &step, PRP_SHARES + trial, plans + 1);
             if (found < least)
                 best = plans + 1, least = found;

@@ -12,7 +12,7 @@ from prp_gym.baselines.predictive.knots import Knot
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default, load_library
 
-SHARES = (1.0, 0.5, 0.25, 0.125)
+SHARES = (1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125)
 """Shares of a step that the line search tries; without an improvement the plan stays."""
 
 

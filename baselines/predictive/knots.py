@@ -72,9 +72,10 @@ def knot_cost(position: Array, velocity: Array, torque: Array, knot: Knot) -> Ar
         torque: τ (..., n) [N m, N, N m].
         knot: the rest.
     """
-    growth = _growth(position, velocity, knot)
+    twice = _twice_quadratic(position, velocity, knot)
+    growth = np.sqrt(1.0 + twice / knot.threshold)
     beyond, over = _beyond(position, knot), torque - knot.effort
-    own = 2.0 * knot.threshold * (growth - 1.0) + knot.stop_weight * beyond * beyond
+    own = 2.0 * twice / (1.0 + growth) + knot.stop_weight * beyond * beyond
     return 0.5 * total(own + knot.effort_weight * over * over)[..., None]
 
 
@@ -107,11 +108,16 @@ def _errors(position: Array, velocity: Array, knot: Knot) -> tuple[Array, Array]
 
 
 def _growth(position: Array, velocity: Array, knot: Knot) -> Array:
-    """√(1 + 2V/κ) (..., n) of the quadratic V of each joint's errors."""
+    """√(1 + 2V/κ) (..., n): how much less the cost of a joint's errors grows than V."""
+    growth: Array = np.sqrt(1.0 + _twice_quadratic(position, velocity, knot) / knot.threshold)
+    return growth
+
+
+def _twice_quadratic(position: Array, velocity: Array, knot: Knot) -> Array:
+    """2V (..., n) of each joint's errors."""
     W_p, W_m, W_v = _thirds(knot.weight)
     e, e_dot = _errors(position, velocity, knot)
-    twice = W_p * e * e + 2.0 * W_m * e * e_dot + W_v * e_dot * e_dot
-    return np.sqrt(1.0 + twice / knot.threshold)
+    return W_p * e * e + 2.0 * W_m * e * e_dot + W_v * e_dot * e_dot
 
 
 def _beyond(position: Array, knot: Knot) -> Array:
