@@ -71,7 +71,10 @@ def backward(
 ) -> dict[str, Any]:
     """`backward_step` about the state at the end of an interval, to whose cost that of the later ones adds."""
     own = Knot(**knot)
-    to_go = slope_after + cost_slope(position, velocity, own), curvature_after + cost_curvature(position, velocity, own)
+    to_go = (
+        slope_after + cost_slope(position, velocity, own),
+        curvature_after + cost_curvature(position, velocity, own),
+    )
     effort = torque - own.effort, own.effort_weight
     derivatives = by_position, by_velocity, by_torque
     return backward_step(derivatives, duration, to_go, effort, (low - torque, high - torque))._asdict()

@@ -7,7 +7,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from prp_gym.baselines.base.policy import Model
-from prp_gym.baselines.predictive.formulas import KNOTS, Motion, backward, cost, follow, functions_of, source_of
+from prp_gym.baselines.predictive.formulas import (
+    KNOTS,
+    Motion,
+    backward,
+    cost,
+    follow,
+    functions_of,
+    source_of,
+)
 from prp_gym.baselines.predictive.knots import Knot
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default, load_library

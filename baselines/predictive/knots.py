@@ -192,7 +192,9 @@ def backward_step(
     )
 
 
-def followed_torque(torque: Array, step: tuple[Array, Array], deviation: Array, bounds: tuple[Array, Array]) -> Array:
+def followed_torque(
+    torque: Array, step: tuple[Array, Array], deviation: Array, bounds: tuple[Array, Array]
+) -> Array:
     """The torque (..., n) of the forward pass, within its bounds.
 
     Args:

@@ -25,7 +25,7 @@ def limit_of(model: PRPArm | Link) -> Array:
 def random_problem(model: PRPArm | Link, count: int, seed: int = 1, **changes: Any) -> Problem:
     """Starts and goals within the joint stops, weights of the size of tuned ones."""
     generator, n = np.random.default_rng(seed), model.joint_count
-    scale, limit = np.array([1.0, 0.1, 1.0])[:n], limit_of(model)
+    scale, limit = np.array([1.0, 0.05, 1.0])[:n], limit_of(model)
     duration = interval_durations(0.002, 0.2)
     desired = np.zeros((count, KNOTS, 2 * n))
     desired[..., :n] = generator.uniform(-2.0, 2.0, (count, 1, n)) * scale
@@ -34,7 +34,8 @@ def random_problem(model: PRPArm | Link, count: int, seed: int = 1, **changes: A
     weight[..., 2 * n :] = 3.0 / scale**2 * duration
     weight[:, -1] += np.repeat([50.0, 0.5, 0.01], n) / np.tile(scale, 3) ** 2  # positive definite
     state = generator.uniform(-2.0, 2.0, (count, 2 * n)) * np.tile(scale, 2)
-    state[:, :n] += [0.0, -0.15, 0.0][:n]
+    for positions in (state[:, :n], desired[..., :n]):
+        positions += [0.0, -0.15, 0.0][:n]
     stops = np.array([-np.inf, np.inf]) if n == 1 else np.concatenate(ARM.joint_limits)
     problem = Problem(
         state=state,

@@ -80,7 +80,9 @@ def test_slope_of_the_cost_is_that_of_finite_differences() -> None:
             knot_cost(position + sign * change[:3], velocity + sign * change[3:], torque, knot)[:, 0]
             for sign in (1.0, -1.0)
         ]
-        np.testing.assert_allclose(slope[:, index], (costs[0] - costs[1]) / (2.0 * step), rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(
+            slope[:, index], (costs[0] - costs[1]) / (2.0 * step), rtol=1e-6, atol=1e-6
+        )
 
 
 def test_parabola_of_slope_and_curvature_is_nowhere_below_the_cost() -> None:
