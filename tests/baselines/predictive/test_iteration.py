@@ -1,5 +1,6 @@
 """One iteration: the dense least-squares problem of a linear plant, optimality at bounds, descent, equal bits."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -82,13 +83,14 @@ def test_plan_with_torques_at_their_bounds_meets_the_conditions_of_optimality() 
         A, b = least_squares(problem, row)
         u, low, high = (part[row, :, 0] for part in (found.torque, problem.low, problem.high))
         slope = A.T @ (A @ u - b)
-        scale = 1e-4 * np.abs(
-            A.T @ b
-        )  # no step is taken that lowers the cost by less than its rounding, 1e-16
-        assert (np.abs(slope) <= scale)[(u > low) & (u < high)].all()
-        assert (slope >= -scale)[u == low].all()
-        assert (slope <= scale)[u == high].all()
-        at_bound.append(((u == low) | (u == high)).mean())
+        # no step is taken that lowers the cost by less than its rounding
+        scale = 1e-5 * np.abs(A.T @ b)
+        # τ + (τ_max - τ) may be less than τ_max by its rounding
+        at_low, at_high = u <= low + 1e-13, u >= high - 1e-13
+        assert (np.abs(slope) <= scale)[~at_low & ~at_high].all()
+        assert (slope >= -scale)[at_low].all()
+        assert (slope <= scale)[at_high].all()
+        at_bound.append((at_low | at_high).mean())
     assert 0.1 < np.mean(at_bound) < 0.9
 
 
@@ -103,7 +105,7 @@ def test_cost_falls_to_where_the_plan_stays(model: PRPArm | Link) -> None:
         assert (found.torque <= problem.high).all()
         plan = found.torque
         costs.append(found.cost[:, 1])
-    for earlier, later in zip(costs, costs[1:], strict=False):
+    for earlier, later in itertools.pairwise(costs):
         np.testing.assert_allclose(
             np.minimum(later - earlier, 0.0), later - earlier, atol=1e-9 * earlier.max()
         )
