@@ -144,10 +144,10 @@ def test_arm_reaches_every_goal_within_limits_and_stops() -> None:
     np.testing.assert_allclose(run.joint_error[-1], 0.0, atol=1e-5)
     assert (np.abs(run.torque) <= LIMIT * (1.0 + 1e-6)).all()  # actions are of single precision
     assert (np.abs(run.torque) > 0.99 * LIMIT).any(axis=(0, 1)).all()
-    low, high = NOMINAL.joint_lower, NOMINAL.joint_upper
     # stops cost, but do not bind: 1 cm and 0.1 rad
-    assert (run.joint_position > np.array(low) - [0.1, 0.01, 0.1]).all()
-    assert (run.joint_position < np.array(high) + [0.1, 0.01, 0.1]).all()
+    margin = np.array([0.1, 0.01, 0.1])
+    assert (run.joint_position > NOMINAL.joint_lower - margin).all()
+    assert (run.joint_position < NOMINAL.joint_upper + margin).all()
 
 
 def test_smooth_motion_is_followed() -> None:
@@ -156,7 +156,7 @@ def test_smooth_motion_is_followed() -> None:
     assert (np.abs(run.joint_error) < [2e-3, 5e-4, 2e-3]).all()
 
 
-def test_no_torque_but_the_applied_one_uses_more_than_its_share() -> None:
+def test_only_the_applied_torque_exceeds_the_planned_share() -> None:
     controller = link(planned_share=0.5)
     seen = observation(0.0, 0.0, goal=2.0)
     state = controller.initial_state(seen)
@@ -180,7 +180,7 @@ def test_disturbance_is_held_while_a_torque_is_at_its_limit() -> None:
 
 def test_estimate_stays_within_the_actuator_limits() -> None:
     controller, seen = link(observer_gain=1e6), observation(0.0, 0.0)
-    plan, disturbance, expected = controller.initial_state(seen)
+    _, disturbance, expected = controller.initial_state(seen)
     estimate = controller._estimated(
         {name: part[None] for name, part in seen.items()}, disturbance[None], expected[None] - 1.0
     )
