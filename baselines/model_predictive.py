@@ -61,29 +61,28 @@ class ModelPredictiveSettings(Settings):
 class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
     """τ = τ_0 - d̂, with the first torque of a plan τ_0 ... τ_15 that minimises a cost over the horizon T.
 
-    The plan starts from the measured state and obeys B(q) q̈ + n(q, q̇) = τ_k over intervals that are as long as
-    the control period at first and grow geometrically to T. It minimises Σ h_k (Σ_i ρ_i + ½ Σ_i (τ - τ_d)_i²/τ_max,i²)
-    + V_T with ρ = Q_P δ²(√(1 + 2V/(Q_P δ²)) - 1), V = ½ Q_P q̃² + ½ Q_V q̃˙²: V near the goal, and in
-    proportion to the errors where q̃ is beyond δ. τ_d is the inverse dynamics of the desired motion, which is
-    extrapolated with constant acceleration; V_T is the cost after T of a double integrator with the inertia
-    B_ii, in closed form. Positions beyond a joint stop cost as errors do, ten times as much. The torque
-    that is applied stays within the actuator limits, the later ones within their share α.
+    The plan starts from the measured state and obeys B(q) q̈ + n(q, q̇) = τ_k over intervals h_k that are as
+    long as the control period at first and grow geometrically to T. It minimises V_T + Σ_k h_k (ρ + ½ |τ_k -
+    τ_d|²/τ_max²), a sum over the joints, with ρ = κ(√(1 + 2V/κ) - 1), κ = Q_P δ², V = ½ Q_P q̃² + ½ Q_V q̃˙²: V
+    near the goal, and in proportion to the errors beyond δ. τ_d is the inverse dynamics of the desired
+    motion, which is extrapolated with constant acceleration; V_T is the cost after T of a double integrator
+    with the inertia B_ii, in closed form. Positions beyond a joint stop cost as errors do, ten times as much.
+    The torque that is applied stays within the actuator limits, the later ones within their share α.
 
     Each period the last plan is shifted and improved by two iterations of iterative LQR: exact derivatives
     of the model, a Riccati recursion whose torques are minimised within their limits, a forward pass that
-    follows them, and a search along it, which takes no step that increases the cost. The disturbance torque
-    d̂ = d̂ + λ B (q̇ - q̇_expected) is what the model lacks; it is held while a limit is active. The cost
-    bounds the plan, but the plan is not always a minimum: where limits become active along a step, the
-    iteration may keep the last plan for a period.
+    follows them, and a search along it, which takes no step that increases the cost. Where limits become
+    active along a step, the iteration may keep the plan as it is. The disturbance torque d̂ = d̂ + λ B (q̇ -
+    q̇_expected) is what the model lacks; it is held while a limit is active.
 
     Near a constant goal, with the exact model and no limit active, the loop is that of the linear-quadratic
-    regulator of the sampled arm: with ω⁴ = Q_P τ_max²/B² and 2ζω = √((Q_V + 2√(Q_P r))/r), r = B²/τ_max², each joint
-    has about the poles of s² + 2ζω s + ω², stable for all positive Q_P and all Q_V ≥ 0. The error of d̂ has
-    the factor 1 - λ dt from one period to the next: the loop is stable for 0 ≤ λ dt < 2 and unstable above, see
+    regulator of the sampled arm. With r = B²/τ_max² each joint has about the poles of s² + 2ζω s + ω²,
+    ω⁴ = Q_P/r and 2ζω = √((Q_V + 2√(Q_P r))/r), stable for all Q_P > 0 and Q_V ≥ 0. The error of d̂ has the
+    factor 1 - λ dt from one period to the next: the loop is stable for 0 < λ dt < 2 and unstable above, see
     docs/theory.md. It is not traced into compiled episodes: its iterations are compiled by themselves where
     there is a compiler, and run in NumPy, with the same bits, where there is none.
 
-    Source: Li 2004; Tassa 2014; Diehl 2005 for an iteration per period; Huber 1981 for ρ.
+    Source: Li 2004; Tassa 2014; Diehl 2005 for few iterations per period; Huber 1981 for ρ.
     """
 
     measured_fields = ("joint_position", "joint_velocity")

@@ -69,7 +69,7 @@ def backward(
     high: Any,
     **knot: Any,
 ) -> dict[str, Any]:
-    """`backward_step` about the state at the end of an interval, to whose cost that of the later ones adds."""
+    """`backward_step` about the state at the end of an interval, with the cost of the later ones."""
     own = Knot(**knot)
     to_go = (
         slope_after + cost_slope(position, velocity, own),

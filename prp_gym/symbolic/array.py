@@ -275,7 +275,7 @@ def _are_booleans(values: Any) -> bool:
 
 
 def _has_boolean(values: Any) -> bool:
-    """Whether an argument holds a truth value that is not one of the constants 0 and 1, which are numbers too."""
+    """Whether an argument holds a truth value other than the constants, which are numbers too."""
     if isinstance(values, SymbolicArray):
         return any(node.is_boolean for node in values.flat())
     return True  # an array of truth values, as `_are_booleans` has found

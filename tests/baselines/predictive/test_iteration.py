@@ -1,4 +1,4 @@
-"""One iteration: the dense least-squares problem of a linear plant, optimality at bounds, descent, equal bits."""
+"""One iteration: dense least squares of a linear plant, optimality at bounds, descent, equal bits."""
 
 import itertools
 from dataclasses import replace
