@@ -114,8 +114,8 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
         for _ in range(ITERATIONS - 1):
             found = improve(self.model, problem, found.torque)
         torque = found.torque[:, 0] - disturbance
-        limited = (np.abs(torque) >= LIMITED * self.interface.torque_limit).any(axis=-1)
-        kept = np.where(limited[:, None], before, disturbance)
+        is_limited = np.abs(torque) >= LIMITED * self.interface.torque_limit
+        kept = np.where(is_limited.any(axis=-1, keepdims=True), before, disturbance)
         after = (found.torque - problem.effort).reshape(len(kept), -1), kept, found.expected[:, joints:]
         return torque.reshape(*lead, joints), tuple(part.reshape(*lead, part.shape[-1]) for part in after)
 
@@ -124,7 +124,8 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
         B, limit = self.model.inertia_matrix(observed["joint_position"]), self.interface.torque_limit
         missing = apply(B, observed["joint_velocity"] - expected)
         estimate = disturbance + self.settings.observer_gain * missing
-        return np.minimum(np.maximum(estimate, -limit), limit)
+        within: Array = np.minimum(np.maximum(estimate, -limit), limit)
+        return within
 
     def _problem(self, observed: Observed, disturbance: Array) -> Problem:
         """The problem of each plan, in torques τ + d̂."""

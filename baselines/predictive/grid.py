@@ -33,7 +33,8 @@ def shifted(plan: Array, duration: Array) -> Array:
     """
     following = np.concatenate([plan[:, 1:], plan[:, -1:]], axis=1)
     share = duration[0] / duration
-    return (1.0 - share) * plan + share * following
+    later: Array = (1.0 - share) * plan + share * following
+    return later
 
 
 def _powers(ratio: float) -> Array:

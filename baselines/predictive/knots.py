@@ -10,6 +10,7 @@ distance squared.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prp_gym.baselines.base.policy import Model
 from prp_gym.baselines.predictive.box_minimum import box_minimum
@@ -215,7 +216,7 @@ def solve(matrix: Array, vector: Array) -> Array:
     return solve_symmetric(matrix, vector)
 
 
-def _free_gain(Q_uu: Array, Q_ux: Array, free: Array) -> Array:
+def _free_gain(Q_uu: Array, Q_ux: Array, free: NDArray[np.bool_]) -> Array:
     """K = -Q_uu⁻¹Q_ux over the free torques (..., n); zero in the rows of the others."""
     both = free[..., :, None] & free[..., None, :]
     matrix = np.where(both, Q_uu, np.eye(free.shape[-1]))

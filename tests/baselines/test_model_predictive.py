@@ -75,7 +75,7 @@ def riccati_gain(weight: float, rate_weight: float, period: float) -> Array:
         S = P + Q
         gain = np.linalg.solve(R + B.T @ S @ B, B.T @ S @ A)
         P = A.T @ S @ (A - B @ gain)
-    return -gain[0]
+    return np.asarray(-gain[0])
 
 
 def test_near_the_goal_the_gains_are_those_of_the_linear_quadratic_regulator() -> None:

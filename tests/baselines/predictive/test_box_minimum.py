@@ -23,15 +23,14 @@ def problems(size: int, count: int = 200) -> tuple[Array, Array, Array, Array]:
 
 def by_enumeration(hessian: Array, gradient: Array, low: Array, high: Array) -> Array:
     """The least value over the minima of all sets of fixed components that are within the bounds."""
-    size, best, least = len(gradient), low, np.inf
-    for choice in itertools.product((low, high, None), repeat=size):
-        fixed = [index for index in range(size) if choice[index] is not None]
-        free = [index for index in range(size) if choice[index] is None]
-        z = np.zeros(size)
-        z[fixed] = [choice[index][index] for index in fixed]
+    size, best, least = len(gradient), low, float("inf")
+    for choice in itertools.product((0, 1, 2), repeat=size):
+        fixed = [index for index in range(size) if choice[index] < 2]
+        free = [index for index in range(size) if choice[index] == 2]
+        z = np.where(np.array(choice) == 0, low, high)
         right = -gradient[free] - hessian[np.ix_(free, fixed)] @ z[fixed]
         z[free] = np.linalg.solve(hessian[np.ix_(free, free)], right)
-        value = 0.5 * z @ hessian @ z + gradient @ z
+        value = float(0.5 * z @ hessian @ z + gradient @ z)
         if (z >= low).all() and (z <= high).all() and value < least:
             best, least = z, value
     return best

@@ -48,7 +48,9 @@ def test_derivatives_of_the_motion_are_those_of_finite_differences(model: PRPArm
             for sign in (1.0, -1.0):
                 moved = values.copy()
                 moved[:, index] += sign * step
-                sides.append(knot_motion(model, *{**given, name: moved}.values(), DURATION)[1])
+                around = {**given, name: moved}
+                at = around["position"], around["velocity"], around["torque"]
+                sides.append(knot_motion(model, *at, DURATION)[1])
             # step² times third derivatives, and rounding over step
             expected = (sides[0] - sides[1]) / (2.0 * step)
             np.testing.assert_allclose(found[f"by_{name}"][..., index], expected, rtol=1e-7, atol=1e-8)
