@@ -22,6 +22,7 @@ from prp_gym.baselines.joint_inverse_dynamics import (
     JointInverseDynamicsSettings,
 )
 from prp_gym.baselines.joint_pd import JointPDController, JointPDSettings
+from prp_gym.baselines.model_predictive import ModelPredictiveController, ModelPredictiveSettings
 from prp_gym.baselines.operational_inverse_dynamics import (
     OperationalInverseDynamicsController,
     OperationalInverseDynamicsSettings,
@@ -58,6 +59,8 @@ __all__ = [
     "JointInverseDynamicsSettings",
     "JointPDController",
     "JointPDSettings",
+    "ModelPredictiveController",
+    "ModelPredictiveSettings",
     "OperationalBaseline",
     "OperationalInverseDynamicsController",
     "OperationalInverseDynamicsSettings",

@@ -188,7 +188,7 @@ class SymbolicArray(NDArrayOperatorsMixin):
             raise untraceable(f"numpy.{ufunc.__name__}.{method}")
         if ufunc is np.square or (ufunc is np.power and _is_two(inputs[1])):
             ufunc, inputs = np.multiply, (inputs[0], inputs[0])
-        if ufunc is np.add and all(map(holds_truth_values, inputs)):
+        if ufunc is np.add and all(map(holds_truth_values, inputs)) and any(map(_has_boolean, inputs)):
             ufunc = np.logical_or  # as NumPy adds truth values
         if ufunc is np.invert and not all(map(holds_truth_values, inputs)):
             raise untraceable("numpy.invert of numbers")
@@ -272,6 +272,13 @@ def holds_truth_values(values: Any) -> bool:
     if isinstance(values, SymbolicArray):
         return all(node.is_boolean or node.is_constant for node in values.flat())
     return np.asarray(values).dtype == np.bool_
+
+
+def _has_boolean(values: Any) -> bool:
+    """Whether an argument holds a truth value other than the constants, which are numbers too."""
+    if isinstance(values, SymbolicArray):
+        return any(node.is_boolean for node in values.flat())
+    return True  # an array of truth values, as `holds_truth_values` has found
 
 
 def elementwise(graph: Graph, operation: Operation, *values: Any) -> Any:

@@ -55,6 +55,31 @@ class SymbolicFunction:
             for name, array in self.outputs.items()
         }
 
+    def evaluate_rows(self, values: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """The results of arrays of numbers, with the bits of the compiled function.
+
+        Args:
+            values: arguments by name, of the inputs' shapes after common leading dimensions.
+        """
+        known: dict[Node, np.ndarray] = {}
+        lead: tuple[int, ...] = ()
+        for name, array in self.inputs.items():
+            given = np.asarray(values[name])
+            lead = given.shape[: given.ndim - array.ndim]
+            columns = given.reshape((*lead, array.size))
+            known |= {node: columns[..., index] for index, node in enumerate(array.flat())}
+        for node in self.nodes():
+            if node.operation is not None:
+                known[node] = node.operation.of_arrays(*(known[argument] for argument in node.arguments))
+            elif node.is_constant:
+                known[node] = np.asarray(node.value)
+        return {
+            name: np.stack([np.broadcast_to(known[node], lead) for node in array.flat()], axis=-1).reshape(
+                (*lead, *array.shape)
+            )
+            for name, array in self.outputs.items()
+        }
+
 
 def trace(
     name: str, formula: Callable[..., Mapping[str, SymbolicArray]], shapes: Mapping[str, tuple[int, ...]]

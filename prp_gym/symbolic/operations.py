@@ -50,6 +50,15 @@ class Operation:
         with np.errstate(all="ignore"):
             return float(self.ufunc(*values))
 
+    def of_arrays(self, *values: Any) -> Any:
+        """The results of arrays that broadcast, element by element."""
+        if self is WHERE:
+            return np.where(*values)
+        if self.scalar is not None:
+            return np.vectorize(self.evaluate, otypes=[np.float64])(*values)
+        with np.errstate(all="ignore"):
+            return self.ufunc(*values)
+
 
 def _apply(operation: Operation, node: Node, *others: Node | float) -> Node:
     return node.graph.apply(operation, node, *others)

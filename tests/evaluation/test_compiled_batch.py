@@ -14,7 +14,7 @@ from prp_gym.baselines.base.gains import load_gains
 from prp_gym.envs import PRPEnv
 from prp_gym.evaluation import compiled_batch, evaluate, record_episode
 from prp_gym.evaluation.batch import record_episodes
-from prp_gym.evaluation.compiled_batch import begin
+from prp_gym.evaluation.compiled_batch import begin, record_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController
 from prp_gym.tasks import SCENARIOS
 from tests.support.compiled_episodes import assert_same_episodes, compiled, looped, made
@@ -32,8 +32,13 @@ def brief(environment_id: str, scenario: str) -> Any:
     return made(environment_id, scenario, duration=BRIEF)
 
 
+TRACED = [
+    (environment_id, name) for environment_id, name in COMBINATIONS if CONTROLLERS.find(name).policy.compiled
+]
+
+
 @pytest.mark.parametrize("scenario", SCENARIOS)
-@pytest.mark.parametrize(("environment_id", "name"), COMBINATIONS)
+@pytest.mark.parametrize(("environment_id", "name"), TRACED)
 def test_every_controller_on_every_task_has_the_episodes_of_the_loop(
     environment_id: str, name: str, scenario: str
 ) -> None:
@@ -45,6 +50,12 @@ def test_every_controller_on_every_task_has_the_episodes_of_the_loop(
     for rollout in found:
         assert len(rollout.reward) == 40
         assert np.ptp(rollout.fields["joint_velocity"], axis=0).all()
+
+
+def test_only_the_optimising_controller_is_run_period_by_period() -> None:
+    assert {name for _, name in COMBINATIONS} - {name for _, name in TRACED} == {"model_predictive"}
+    env = brief(TRACKING, "randomized")
+    assert record_compiled(make_baseline("model_predictive", env), env, (3,)) is None
 
 
 LONG = [

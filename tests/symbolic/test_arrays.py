@@ -117,6 +117,7 @@ FORMULAS: dict[str, Callable[[Any, Any], Any]] = {
     ),
     "any_and_all": lambda x, y: (x > y).any(axis=0) & (x > -3.0).all() | np.logical_and.reduce(x > 1.0),
     "any_number": lambda x, y: x[:1].any(axis=0) * 2.0 + y[:, :1].all(axis=-1),
+    "sum_of_constants": lambda x, y: np.zeros_like(x) + 0.5 + np.zeros_like(y) + x * 0.0,
     "sum_of_truth_values": lambda x, y: (x > 0.0) + (y > 0.0),
     "arithmetic_of_truth_values": lambda x, y: 2.0 * (x > 0.0) - y * (y < 0.0),
     "numbers_of_truth_values": lambda x, y: (
