@@ -16,7 +16,7 @@ def main(
         list[str] | None, typer.Option(help="Id of an environment; repeatable. Default: all.")
     ] = None,
 ) -> None:
-    """Build the compiled libraries of environments in all scenarios, with all controllers and action modes."""
+    """Build the libraries of environments in all scenarios, with all controllers and action modes."""
     conditions = [
         (name, scenario) for name in env or [entry.id for entry in TASKS.values()] for scenario in SCENARIOS
     ]

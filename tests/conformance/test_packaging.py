@@ -13,6 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPPED = ("envs", "baselines", "agents")
+BUILD = [sys.executable, "-m", "build", "--no-isolation", "--outdir"]
 DATA_SUFFIXES = {".c", ".h", ".py", ".toml", ".typed", ".yml", ".json", ".safetensors"}
 
 
@@ -34,8 +35,8 @@ def expected_modules() -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A folder with a wheel built from the tree, and one with an sdist and the wheel built from it."""
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the tracked files."""
     copy = tmp_path_factory.mktemp("tree")
     for path in tracked_files():
         source, target = ROOT / path, copy / path
@@ -44,10 +45,15 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
             target.symlink_to(source.readlink())
         elif source.exists():
             target.write_bytes(source.read_bytes())
+    return copy
+
+
+@pytest.fixture(scope="module")
+def built(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A folder with a wheel built from the tree, and one with an sdist and the wheel built from it."""
     direct, through_sdist = tmp_path_factory.mktemp("direct"), tmp_path_factory.mktemp("sdist")
-    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir"]
-    subprocess.run([*build, str(direct), "--wheel", str(copy)], check=True, capture_output=True)
-    subprocess.run([*build, str(through_sdist), str(copy)], check=True, capture_output=True)
+    subprocess.run([*BUILD, str(direct), "--wheel", str(tree)], check=True, capture_output=True)
+    subprocess.run([*BUILD, str(through_sdist), str(tree)], check=True, capture_output=True)
     return {"tree": direct, "sdist": through_sdist}
 
 
