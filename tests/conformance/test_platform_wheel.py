@@ -10,10 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.conformance.test_packaging import BUILD, expected_modules, tree
 from tests.support.compiler import needs_compiler
-
-__all__ = ["tree"]  # a fixture
+from tests.support.tracked_files import BUILD, ROOT, copy_tree, expected_modules
 
 pytestmark = needs_compiler
 
@@ -27,9 +25,10 @@ import gymnasium, numpy as np, prp_gym
 from prp_gym.symbolic.compiler import compiles_by_default
 found = {{"file": prp_gym.__file__, "compiles": compiles_by_default()}}
 for engine in ("mujoco", "compiled"):
-    env = gymnasium.make("{ADAPTIVE}", scenario="realistic", engine=engine, control_frequency=250, duration=0.4)
-    own = prp_gym.evaluate(prp_gym.make_baseline("adaptive", env), env, episodes=2)
-    found[engine] = [score.hex() for score in own.scores.tolist()]
+    keywords = {{"scenario": "realistic", "control_frequency": 250, "duration": 0.4}}
+    env = gymnasium.make("{ADAPTIVE}", engine=engine, **keywords)
+    own = prp_gym.evaluate(prp_gym.make_baseline("adaptive", env, gains="report"), env, episodes=2)
+    found[engine] = [(each.reward.tobytes().hex(), each.torque.tobytes().hex()) for each in own.rollouts]
     found[engine + " loop"] = env.unwrapped.loop._compiled is not None
 print(json.dumps(found))
 """
@@ -45,6 +44,11 @@ try:
 except prp_gym.errors.CompilerError as error:
     print(error)
 """
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return copy_tree(tmp_path_factory.mktemp("tree"))
 
 
 @pytest.fixture(scope="module")
@@ -112,9 +116,7 @@ def test_folder_without_libraries_is_refused(tree: Path, tmp_path: Path) -> None
     assert f"PRP_GYM_LIBRARIES={tmp_path}: no libraries" in done.stdout + done.stderr
 
 
-def test_wheel_runs_compiled_code_without_a_compiler_with_the_same_bits(
-    installed: Path, tmp_path: Path
-) -> None:
+def test_wheel_needs_no_compiler_and_gives_the_same_bits(installed: Path, tmp_path: Path) -> None:
     """At another control frequency, too, than that for which the libraries were built."""
     without = json.loads(run(EVALUATE, installed, tmp_path / "none", compiler=False))
     assert without["file"].startswith(str(installed))
@@ -122,15 +124,12 @@ def test_wheel_runs_compiled_code_without_a_compiler_with_the_same_bits(
     assert without["mujoco loop"]
     assert without["compiled loop"]
     assert not (tmp_path / "none").exists()
-    root = Path(__file__).resolve().parents[2]
-    own = json.loads(run(EVALUATE, root, tmp_path / "own", compiler=True))
+    own = json.loads(run(EVALUATE, ROOT, tmp_path / "own", compiler=True))
     assert list((tmp_path / "own").glob("*.so"))
     for engine in ("mujoco", "compiled"):
         assert without[engine] == own[engine]
 
 
-def test_environment_whose_libraries_are_missing_runs_with_mujoco_alone(
-    installed: Path, tmp_path: Path
-) -> None:
+def test_environment_without_libraries_runs_with_mujoco_alone(installed: Path, tmp_path: Path) -> None:
     printed = run(OTHER, installed, tmp_path / "none", compiler=False)
     assert "install gcc or clang" in printed
