@@ -29,6 +29,7 @@ for engine in ("mujoco", "compiled"):
     env = gymnasium.make("{ADAPTIVE}", engine=engine, **keywords)
     own = prp_gym.evaluate(prp_gym.make_baseline("adaptive", env, gains="report"), env, episodes=2)
     found[engine] = [(each.reward.tobytes().hex(), each.torque.tobytes().hex()) for each in own.rollouts]
+    env.reset(seed=0)
     found[engine + " loop"] = env.unwrapped.loop._compiled is not None
 print(json.dumps(found))
 """
