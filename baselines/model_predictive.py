@@ -88,6 +88,7 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
     measured_fields = ("joint_position", "joint_velocity")
     settings_class = ModelPredictiveSettings
     compiled = False
+    slow_without_compiler: ClassVar[bool] = True
 
     def __init__(self, interface: ControlInterface, settings: ModelPredictiveSettings) -> None:
         super().__init__(interface, settings)

@@ -45,7 +45,8 @@ class ForceSensingSettings(Settings):
         """The taring at a control period [s]."""
         if self.taring == "none":
             return NoTaring()
-        noise, bias, held_back = self.sensor_noise, self.sensor_bias, math.ceil(self.held_back_time / period)
+        noise, bias = self.sensor_noise, self.sensor_bias
+        held_back = float(math.ceil(self.held_back_time / period))  # a number that compiled code takes
         if self.taring == "until_contact":
             return TaringUntilContact(noise, bias, held_back=held_back)
         count = max(self.taring_time / period, 1.0)

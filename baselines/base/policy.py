@@ -145,6 +145,8 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
         rendered: settings that take the task's target impedance, with gain sets declared to do so.
         integrators: indices of the state arrays that are held while an actuator is at its limit.
         batched: `predict` also takes several observations at once.
+        slow_without_compiler: `predict` takes far longer on a machine without compiled code, so that commands
+            which run all controllers leave this one out there.
         compiled: `predict` does what `act` does, which may be compiled; not of a class with its own.
         settings: settings of the controller, every vector at its full length.
         model: robot model that the controller uses.
@@ -161,6 +163,7 @@ class Baseline(DescribedController[SettingsT], ABC, Generic[SettingsT]):
     rendered: ClassVar[tuple[str, ...]] = ()
     integrators: ClassVar[tuple[int, ...]] = ()
     batched: ClassVar[bool] = True
+    slow_without_compiler: ClassVar[bool] = False
     compiled: ClassVar[bool] = True
 
     def __init_subclass__(cls, **options: Any) -> None:

@@ -87,7 +87,7 @@ class TaringUntilContact(Taring):
     noise: float
     largest_bias: float
     largest_count: float = math.inf
-    held_back: int = 15
+    held_back: float = 15.0
 
     arrays: ClassVar[int] = 1
     allowance: ClassVar[float] = 2.8

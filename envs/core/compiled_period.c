@@ -16,7 +16,8 @@ static inline void prp_refer_at(const prp_plan *plan, long row, long at)
         memcpy(reference, plan->sampled + PRP_REFERENCE * at, sizeof(double) * PRP_REFERENCE);
 #if PRP_REFERENCE_NUMBERS
     else
-        prp_refer(plan->clock + row, plan->reference_numbers + PRP_REFERENCE_NUMBERS * row, reference);
+        prp_refer(
+            plan->clock + row, &plan->period, plan->reference_numbers + PRP_REFERENCE_NUMBERS * row, reference);
 #endif
 }
 

@@ -43,7 +43,9 @@ class CompiledPeriods:
         self._library = load_library(self._source.text)
         if self.simulates:
             self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
-        self.given = PeriodPlan(Plan(rows=loop.num_envs, periods=1), {})
+        self.given = PeriodPlan(
+            Plan(rows=loop.num_envs, periods=1, period=1.0 / loop.config.control_frequency), {}
+        )
         self._set, self._arrays, self._address = self.given.give, self.given.arrays, self.given.address
         self._parts = loop.period_parts()
         rows, parts = loop.num_envs, self._parts

@@ -139,12 +139,8 @@ class EpisodeLoop:
         try:
             self._compiled = self._compiled or CompiledPeriods(self)
             self._compiled.load()
-        except UntraceableError:  # formulas of a task of another package, which NumPy computes
+        except (UntraceableError, CompilerError):  # a task of another package, which NumPy computes
             self._compiled, self._may_compile = None, False
-        except CompilerError:
-            if self.config.engine == COMPILED:
-                raise
-            self._may_compile = False
 
     def __getstate__(self) -> dict[str, Any]:
         self._store()

@@ -14,7 +14,7 @@ from prp_gym.envs.core.info import AVERAGED, LAST
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.loop_state import STATE
 from prp_gym.envs.core.step import Step
-from prp_gym.errors import ShapeError, UntraceableError
+from prp_gym.errors import CompilerError, ShapeError, UntraceableError
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.task import Task
 
@@ -104,7 +104,7 @@ class ModeLoop(EpisodeLoop):
             if self._code is None or self._code.periods is not periods:
                 totals = np.append(self._shares, self._share), self._added
                 self._code = CompiledMode(self, self._mode, periods, *totals, self._periods)
-        except UntraceableError:  # a mode of another package, which NumPy computes
+        except (UntraceableError, CompilerError):  # a mode of another package, which NumPy computes
             self._may_compile_mode = False
             return None
         return self._code if self._code.load(self._memory) else None

@@ -36,6 +36,7 @@ class Plan(ctypes.Structure):
         state_size: size of the controller's state.
         input_size: size of an environment's input to the controller.
         numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
+        period: control period [s].
         position: arrays of the simulations, to `beyond`; see `prp_advance`.
         task_numbers: numbers of the task.
         reference_numbers: numbers of each environment's reference.
@@ -68,6 +69,7 @@ class Plan(ctypes.Structure):
     _fields_: ClassVar = [
         *((name, ctypes.c_void_p) for name in ("controller", "world", "lost", "waiting", "ended")),
         *((name, ctypes.c_long) for name in _COUNTS),
+        ("period", ctypes.c_double),
         *((name, ctypes.c_void_p) for name in _ARRAYS),
     ]
 
@@ -83,6 +85,7 @@ typedef struct {{
     const unsigned char *waiting;
     long *ended;
     long {", ".join(_COUNTS)};
+    double period;
     double {", ".join(f"*{name}" for name in _ARRAYS)};
 }} prp_plan;
 """

@@ -51,7 +51,6 @@ class PeriodSource:
     def __init__(self, loop: Any) -> None:
         task, measured = loop.task, loop.physics.measurement_size
         self._parts = loop.period_parts().formulas()
-        self._period = 1.0 / loop.config.control_frequency
         self.rows = StateRows(loop.period_parts().owners)
         self._sizes = {
             "joints": loop.joints,
@@ -86,10 +85,10 @@ class PeriodSource:
         with suppress(UntraceableError):
             rows = ReferenceRows(task.parts.reference)
 
-            def refer(clock: Any, row: Any) -> Mapping[str, Any]:
-                return {"reference": rows.formula(row).sample(clock * self._period)}
+            def refer(clock: Any, period: Any, row: Any) -> Mapping[str, Any]:
+                return {"reference": rows.formula(row).sample(clock * period)}
 
-            function = trace("prp_refer", refer, {"clock": (1,), "row": (1, rows.size)})
+            function = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
             self.references = rows
             return [function]
         return []

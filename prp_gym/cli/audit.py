@@ -4,6 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
+from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.options import (
     Backend,
     Environments,
@@ -73,6 +74,7 @@ def audit_command(
     selected = Selection.of(env or [], scenario, [], GainsChoice())
     check_protocol(episodes, seed)
     terminal = Terminal.of(quiet, as_json, form)
+    note_missing_compiler(terminal)
     with terminal.progress("trying out the controllers"):
         listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
     folder = ResultFolder.choose("audit", output, name, describe_jobs(listed), goes_on=resume)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.options import (
     AgentPaths,
     Backend,
@@ -86,6 +87,7 @@ def compare_command(
     check_protocol(episodes, seed)
     agents = find_agents(selected.environment_ids, agent or [])
     terminal = Terminal.of(quiet, as_json, form)
+    note_missing_compiler(terminal, selected.notes)
     with terminal.progress("trying out the controllers"):
         listed = list_comparison_jobs(selected, agents, episodes, seed, engine)
     selected.check_used(listed)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.options import (
     Backend,
     ControlFrequency,
@@ -77,6 +78,7 @@ def evaluate_command(
     selected = Selection.of(env or [], scenario, baseline or [], chosen)
     check_protocol(episodes, seed)
     terminal = Terminal.of(quiet, as_json, form)
+    note_missing_compiler(terminal, selected.notes)
     with terminal.progress("trying out the controllers"):
         listed = list_jobs(
             selected.conditions,

@@ -16,7 +16,7 @@ from prp_gym.cli import completion
 from prp_gym.errors import CompilerError, InvalidValueError
 from prp_gym.figures.figure_file import SUFFIXES
 from prp_gym.plugins import load_plugins
-from prp_gym.symbolic.compiler import find_compiler
+from prp_gym.symbolic.compiler import require_compiled_code
 from prp_gym.tables.formats import FORMATS, TERMINAL
 from prp_gym.tasks.setup import COMPILED, ENGINES, MUJOCO
 
@@ -41,12 +41,12 @@ def _check_engine(value: str | None) -> str | None:
 
     Raises:
         UnknownNameError: an engine that does not exist.
-        CompilerError: the compiled engine on a machine without a compiler.
+        CompilerError: the compiled engine on a machine with neither compiled code nor a compiler.
     """
     if value is None or choice("--engine", value, ENGINES) != COMPILED:
         return value
     try:
-        find_compiler()
+        require_compiled_code()
     except CompilerError as error:
         raise CompilerError(f"--engine {value}: {error} --engine {MUJOCO} needs none.") from error
     return value
@@ -57,7 +57,7 @@ def _engine(default: str | bool) -> Any:
         "--engine",
         help=f"What simulates the robot: {', '.join(ENGINES)}. The first is the reference; the second is "
         "many times as fast, with scores that differ by less than 1e-6 where the control is stable, and "
-        "needs a C compiler.",
+        "needs a C compiler, or a wheel with compiled code.",
         show_default=default,
         callback=_check_engine,
         autocompletion=completion.engines,

@@ -14,6 +14,7 @@ from prp_gym.agents.training.recipes import SEEDS, Recipe, load_recipe
 from prp_gym.agents.training.shipped import default_action_mode, read_groups
 from prp_gym.artifacts import to_plain
 from prp_gym.cli import completion
+from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.options import (
     Algorithm,
     Backend,
@@ -116,6 +117,7 @@ def train_command(
         check("tensorboard")
     evaluations = _Evaluations(_EVALUATIONS_SHIPPED if shipped else _EVALUATIONS, eval_every, eval_episodes)
     terminal = Terminal.of(quiet, as_json, form)
+    note_missing_compiler(terminal)
     folder = ResultFolder.choose("train", output, name, _describe(groups, evaluations), goes_on=resume)
     runs = _Runs(
         folder.path.resolve(),

@@ -12,6 +12,7 @@ import typer
 
 import prp_gym
 from prp_gym.cli import completion
+from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.one_policy import name_by_argument
 from prp_gym.cli.options import (
     Budget,
@@ -123,6 +124,7 @@ def tune_command(
         *(seed, engine, method, final_episodes),
     )
     terminal = Terminal.of(quiet, as_json, form)
+    note_missing_compiler(terminal)
     folder = ResultFolder.choose("tune", output, name, [key_of(task), asdict(choice)], goes_on=resume)
     search = Search(task, choice, folder.path, shlex.join(["prp-gym", *sys.argv[1:]]), resume)
     with folder.in_use():

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.options import (
     Backend,
     Budget,
@@ -88,6 +89,7 @@ def tune_all_command(
     ]
     searches.sort(key=lambda search: -search.task.budget)  # so that no worker is left alone with a long one
     terminal = Terminal.of(quiet, as_json, form)
+    note_missing_compiler(terminal)
     with folder.in_use():  # one with a failed search stays unfinished, so that the same command tries again
         outcomes = _run(searches, workers, terminal)
         results = [outcome for outcome in outcomes if isinstance(outcome, TunedController)]

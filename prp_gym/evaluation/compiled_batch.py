@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from gymnasium.utils import seeding
 
-from prp_gym.errors import UntraceableError
+from prp_gym.errors import CompilerError, UntraceableError
 from prp_gym.evaluation.compiled_controller import CompiledController
 from prp_gym.evaluation.recorder import Recorder
 from prp_gym.evaluation.rollout import Policy, Rollout
@@ -30,8 +30,8 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     """Run one episode for each seed in compiled code, and record them; see `record_episodes`.
 
     Returns:
-        the episodes; None where the policy or the environment is not one that compiled code can run, or
-        where an action was not finite.
+        the episodes; None where the policy or the environment is not one that compiled code can run, where
+        there is no compiler for it, or where an action was not finite.
     """
     if not runs_compiled(policy, inner):
         return None
@@ -40,7 +40,7 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     try:
         controller = CompiledController(policy, observation)
         record = loop.run_episodes(controller, observation)
-    except UntraceableError:
+    except (UntraceableError, CompilerError):
         return None
     if record is None:
         return None

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import Self
 
 from prp_gym.baselines import CONTROLLERS
-from prp_gym.errors import InvalidValueError, UnknownNameError
+from prp_gym.errors import CompilerError, InvalidValueError, UnknownNameError
 from prp_gym.runs.choice import ControllerChoice, GainsChoice
 from prp_gym.runs.controllers import Controllers
 from prp_gym.runs.evaluation_job import EvaluationJob
 from prp_gym.runs.user_code import UserCode
+from prp_gym.symbolic.compiler import require_compiled_code
 from prp_gym.tasks.registration import list_envs
 from prp_gym.tasks.scenario import SCENARIOS
 
@@ -24,12 +25,14 @@ class Selection:
         choices: controllers with their gains.
         controllers: source of the controllers.
         named: names of the controllers that the options name; empty if they name none.
+        left_out: names of controllers that nobody has named and that are too slow on this machine.
     """
 
     conditions: tuple[tuple[str, str], ...]
     choices: tuple[ControllerChoice, ...]
     controllers: Controllers
     named: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -57,8 +60,11 @@ class Selection:
         names = [name for name in controllers if ":" not in name]
         codes = tuple(dict.fromkeys(UserCode.find(name) for name in controllers if ":" in name))
         _check_labels(codes)
+        left_out: tuple[str, ...] = ()
         if not controllers:
             names = _with_set(gains)
+            left_out = _too_slow(names)
+            names = [name for name in names if name not in left_out]
         elif names:
             check_names("baseline", names, list(CONTROLLERS))
         known = check_names("scenario", scenarios, list(SCENARIOS))
@@ -68,7 +74,16 @@ class Selection:
         table = Controllers(codes)
         for choice in choices:
             table.find(choice)
-        return cls(conditions, tuple(choices), table, tuple(c.name for c in choices) if controllers else ())
+        named = tuple(choice.name for choice in choices) if controllers else ()
+        return cls(conditions, tuple(choices), table, named, left_out)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a command says of the controllers that are left out."""
+        return tuple(
+            f"{name} is left out, since it is slow without compiled code; --baseline {name} runs it."
+            for name in self.left_out
+        )
 
     @property
     def environment_ids(self) -> list[str]:
@@ -109,6 +124,15 @@ def _with_set(gains: GainsChoice) -> list[str]:
         known = {item for spec in CONTROLLERS.values() for item in spec.gain_sets}
         raise UnknownNameError("gain set", gains.name, known)
     return found
+
+
+def _too_slow(names: Sequence[str]) -> tuple[str, ...]:
+    """The controllers that take far longer on this machine, which has no compiled code, than on others."""
+    try:
+        require_compiled_code()
+    except CompilerError:
+        return tuple(name for name in names if CONTROLLERS[name].policy.slow_without_compiler)
+    return ()
 
 
 def _check_labels(codes: Sequence[UserCode]) -> None:

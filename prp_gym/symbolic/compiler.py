@@ -1,4 +1,4 @@
-"""Compiling generated C code into a shared library, once for each text and compiler."""
+"""Shared libraries of generated C code: those of the package, those of the user's cache, or compiled now."""
 
 import contextlib
 import ctypes
@@ -23,7 +23,11 @@ FLAGS = (
 """The compiler may change no result: products and sums are rounded one by one, as in NumPy, and a power of a
 constant is that of the mathematical library."""
 
+PREBUILT = Path(__file__).with_name("prebuilt")
+"""The folder of libraries that a wheel for one kind of machine brings along; a source tree has none."""
+
 _SECONDS = 300.0
+_LOADED: list[str] = []
 
 
 def _failure(reason: str) -> CompilerError:
@@ -47,12 +51,27 @@ def find_compiler() -> tuple[str, ...]:
     raise _failure("none was found: install gcc or clang, or: pip install ziglang")
 
 
+def require_compiled_code() -> None:
+    """Refuse a machine without compiled code.
+
+    Raises:
+        CompilerError: the package brings no libraries along, and no compiler was found.
+    """
+    if not any(PREBUILT.glob("*.so")):
+        find_compiler()
+
+
+def is_turned_off() -> bool:
+    """Whether `$PRP_GYM_COMPILED` is 0, so that compiled code does not stand in for NumPy."""
+    return os.environ.get("PRP_GYM_COMPILED") == "0"
+
+
 def compiles_by_default() -> bool:
-    """Whether compiled code stands in for NumPy: with a compiler, unless `$PRP_GYM_COMPILED` is 0."""
-    if os.environ.get("PRP_GYM_COMPILED") == "0":
+    """Whether compiled code stands in for NumPy: where there is any, unless it was turned off."""
+    if is_turned_off():
         return False
     try:
-        find_compiler()
+        require_compiled_code()
     except CompilerError:
         return False
     return True
@@ -69,37 +88,87 @@ def cache_folder() -> Path:
     return Path(base) / "prp_gym"
 
 
+def library_name(source: str, command: tuple[str, ...] = ()) -> str:
+    """The file name of the library of a C source, on this kind of machine.
+
+    Args:
+        source: C source.
+        command: command of the compiler; empty for a library of the package, whichever compiler made it.
+    """
+    machine = sys.platform, platform.machine()
+    key = hashlib.sha256("\0".join((*command, *FLAGS, *machine, source)).encode()).hexdigest()[:32]
+    return f"{key}.so"
+
+
 @cache
 def load_library(source: str) -> ctypes.CDLL:
-    """The shared library of a C source, compiled unless it is in the cache.
+    """The shared library of a C source: that of the package, else that of the cache, else compiled now.
+
+    Raises:
+        CompilerError: neither the package's library nor a compiler, or one that refuses the source.
+    """
+    library = _stored(PREBUILT / library_name(source)) or _own(source)
+    _LOADED.append(source)
+    return library
+
+
+def loaded_sources() -> tuple[str, ...]:
+    """The C sources whose libraries this process has loaded, each once."""
+    return tuple(dict.fromkeys(_LOADED))
+
+
+def build_library(source: str, folder: Path) -> Path:
+    """Compile a C source for a wheel, without the symbols that only a debugger reads.
+
+    Args:
+        source: C source.
+        folder: folder of the library, which exists.
+
+    Returns:
+        path of the library.
 
     Raises:
         CompilerError: no compiler, or one that refuses the source.
     """
-    command = find_compiler()
-    machine = sys.platform, platform.machine()
-    key = hashlib.sha256("\0".join((*command, *FLAGS, *machine, source)).encode()).hexdigest()[:32]
-    path = cache_folder() / f"{key}.so"
+    path = folder / library_name(source)
+    with tempfile.TemporaryDirectory(prefix="prp_gym-", ignore_cleanup_errors=True) as temporary:
+        _keep(_compiled(find_compiler(), source, Path(temporary), "-s"), path)
+    return path
+
+
+def _stored(path: Path) -> ctypes.CDLL | None:
+    """A library in a file; None where it cannot be loaded."""
     try:
         return ctypes.CDLL(str(path))
-    except OSError:  # not there, damaged, or in a folder whose files may not be run
-        return _compile(command, source, path)
+    except OSError:  # not there, damaged, of another C library, or in a folder whose files may not be run
+        return None
 
 
-def _compile(command: tuple[str, ...], source: str, path: Path) -> ctypes.CDLL:
-    """Compile, load, and put the library into the cache where there is one."""
+def _own(source: str) -> ctypes.CDLL:
+    """The library of this machine's compiler, which is put into the cache where there is one."""
+    command = find_compiler()
+    path = cache_folder() / library_name(source, command)
+    stored = _stored(path)
+    if stored is not None:
+        return stored
     with tempfile.TemporaryDirectory(prefix="prp_gym-", ignore_cleanup_errors=True) as folder:
-        text, built = Path(folder) / "generated.c", Path(folder) / "built.so"
-        text.write_text(source, encoding="utf-8")
-        _run([*command, *FLAGS, "-o", str(built), str(text), "-lm"])
+        built = _compiled(command, source, Path(folder))
         library = ctypes.CDLL(str(built))
         with contextlib.suppress(OSError):  # a cache that cannot be used
             _keep(built, path)
     return library
 
 
+def _compiled(command: tuple[str, ...], source: str, folder: Path, *flags: str) -> Path:
+    """The library of a source, in a folder for both."""
+    text, built = folder / "generated.c", folder / "built.so"
+    text.write_text(source, encoding="utf-8")
+    _run([*command, *FLAGS, *flags, "-o", str(built), str(text), "-lm"])
+    return built
+
+
 def _keep(built: Path, path: Path) -> None:
-    """Copy a library into the cache, where it appears when it is complete."""
+    """Copy a library into a folder, where it appears when it is complete."""
     path.parent.mkdir(parents=True, exist_ok=True)
     descriptor, unfinished = tempfile.mkstemp(dir=path.parent)
     os.close(descriptor)

@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
-from prp_gym.errors import UntraceableError
+from prp_gym.errors import CompilerError, UntraceableError
 from prp_gym.evaluation.compiled_batch import runs_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController, CompiledControllers
 from prp_gym.evaluation.rollout import Policy
@@ -62,8 +62,8 @@ def run_compiled(
 
     Returns:
         what the episodes have given, by the index of the policy; nothing for a policy that NumPy has to run:
-        where the engine is not the compiled one, where its formulas cannot be traced, or where one of its
-        actions was not finite.
+        where the engine is not the compiled one, where its formulas cannot be traced or not be compiled, or
+        where one of its actions was not finite.
     """
     fitting = [index for index, policy in enumerate(policies) if runs_compiled(policy, inner)]
     if not fitting:
@@ -74,7 +74,7 @@ def run_compiled(
     for index in fitting:
         try:
             controller = CompiledController(policies[index], observation)
-        except UntraceableError:
+        except (UntraceableError, CompilerError):
             continue
         groups.setdefault(_address(controller.function), {})[index] = controller
     for group in groups.values():

@@ -79,7 +79,7 @@ def test_without_a_compiler_the_option_is_named_before_anything_is_done(
     def find_none() -> None:
         raise CompilerError("there is none.")
 
-    monkeypatch.setattr(options, "find_compiler", find_none)
+    monkeypatch.setattr(options, "require_compiled_code", find_none)
     result = RUNNER.invoke(app, [*COMMANDS[command], "--engine", COMPILED, "--output", str(tmp_path / "out")])
     assert isinstance(result.exception, CompilerError)
     expected = "--engine compiled: there is none. --engine mujoco needs none."

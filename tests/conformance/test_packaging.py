@@ -11,43 +11,21 @@ from pathlib import Path, PurePosixPath
 
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-MAPPED = ("envs", "baselines", "agents")
-DATA_SUFFIXES = {".c", ".h", ".py", ".toml", ".typed", ".yml", ".json", ".safetensors"}
-
-
-def tracked_files() -> list[PurePosixPath]:
-    """Files that git tracks, symbolic links included."""
-    listing = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
-    return [PurePosixPath(line) for line in listing.stdout.splitlines()]
-
-
-def expected_modules() -> set[str]:
-    """Where every tracked file of the package lies in a wheel."""
-    expected = set()
-    for path in tracked_files():
-        if path.suffix not in DATA_SUFFIXES or path.parts[0] not in {"prp_gym", *MAPPED}:
-            continue
-        prefix = PurePosixPath("prp_gym") if path.parts[0] in MAPPED else PurePosixPath()
-        expected.add(str(prefix / path))
-    return expected
+from tests.support.tracked_files import BUILD, MAPPED, ROOT, copy_tree, expected_modules, tracked_files
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the tracked files."""
+    return copy_tree(tmp_path_factory.mktemp("tree"))
+
+
+@pytest.fixture(scope="module")
+def built(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A folder with a wheel built from the tree, and one with an sdist and the wheel built from it."""
-    copy = tmp_path_factory.mktemp("tree")
-    for path in tracked_files():
-        source, target = ROOT / path, copy / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if source.is_symlink():
-            target.symlink_to(source.readlink())
-        elif source.exists():
-            target.write_bytes(source.read_bytes())
     direct, through_sdist = tmp_path_factory.mktemp("direct"), tmp_path_factory.mktemp("sdist")
-    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir"]
-    subprocess.run([*build, str(direct), "--wheel", str(copy)], check=True, capture_output=True)
-    subprocess.run([*build, str(through_sdist), str(copy)], check=True, capture_output=True)
+    subprocess.run([*BUILD, str(direct), "--wheel", str(tree)], check=True, capture_output=True)
+    subprocess.run([*BUILD, str(through_sdist), str(tree)], check=True, capture_output=True)
     return {"tree": direct, "sdist": through_sdist}
 
 

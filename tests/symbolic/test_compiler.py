@@ -11,7 +11,16 @@ import pytest
 
 from prp_gym.errors import CompilerError
 from prp_gym.symbolic import compiler
-from prp_gym.symbolic.compiler import cache_folder, find_compiler, load_library
+from prp_gym.symbolic.compiler import (
+    build_library,
+    cache_folder,
+    compiles_by_default,
+    find_compiler,
+    library_name,
+    load_library,
+    loaded_sources,
+    require_compiled_code,
+)
 from tests.symbolic.compilation import require_compiler
 
 FOUR = "int four(void) { return 4; }\n"
@@ -40,6 +49,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
     (tmp_path / "temporary").mkdir()
     return tmp_path / "cache"
+
+
+@pytest.fixture
+def packaged(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of the package's libraries, which has none yet."""
+    packaged = folder.with_name("packaged")
+    packaged.mkdir()
+    monkeypatch.setattr(compiler, "PREBUILT", packaged)
+    return packaged
 
 
 def without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -240,3 +258,76 @@ def test_compiler_that_takes_too_long_is_said(
     forget()
     with pytest.raises(CompilerError, match="own-compiler could not run"):
         load_library(FOUR)
+
+
+def test_library_of_the_package_needs_neither_compiler_nor_cache(
+    folder: Path, packaged: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built = build_library(FOUR, packaged)
+    assert files(packaged) == [built.name]
+    without_compiler(monkeypatch)
+    assert load_library(FOUR).four() == 4
+    assert files(folder) == []
+
+
+def test_library_of_the_package_comes_first(
+    folder: Path, packaged: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_library(FOUR, packaged)
+    refuse_to_compile(monkeypatch)
+    assert load_library(FOUR).four() == 4
+    assert files(folder) == []
+
+
+def test_name_of_a_library_of_the_package_is_that_of_any_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = {library_name(FOUR)}
+    monkeypatch.setenv("CC", str(program(tmp_path / "own-compiler", "exit 0")))
+    forget()
+    assert {*names, library_name(FOUR)} == names
+    assert library_name(FOUR, find_compiler()) not in names
+    assert library_name(FIVE) not in names
+
+
+def test_library_of_the_package_that_cannot_be_loaded_is_compiled(folder: Path, packaged: Path) -> None:
+    """It may be damaged, or need another C library."""
+    (packaged / library_name(FOUR)).write_bytes(b"half")
+    assert load_library(FOUR).four() == 4
+    assert len(files(folder)) == 1
+
+
+def test_library_that_neither_the_package_nor_a_compiler_gives_is_refused(
+    packaged: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_library(FOUR, packaged)
+    without_compiler(monkeypatch)
+    with pytest.raises(CompilerError, match="install gcc or clang"):
+        load_library(FIVE)
+
+
+def test_compiled_code_is_there_with_libraries_of_the_package(
+    packaged: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("PRP_GYM_COMPILED", raising=False)
+    without_compiler(monkeypatch)
+    assert not compiles_by_default()
+    with pytest.raises(CompilerError, match="none was found"):
+        require_compiled_code()
+    (packaged / library_name(FOUR)).touch()
+    require_compiled_code()
+    assert compiles_by_default()
+    monkeypatch.setenv("PRP_GYM_COMPILED", "0")
+    assert not compiles_by_default()
+
+
+def test_loaded_sources_are_known_once_each(folder: Path) -> None:
+    own = "int own_number(void) { return 6; }\n"
+    for source in (own, FOUR, own):
+        load_library.cache_clear()
+        load_library(source)
+    assert loaded_sources().count(own) == 1
+    without = "int another_number(void) { return }\n"
+    with pytest.raises(CompilerError):
+        load_library(without)
+    assert without not in loaded_sources()
