@@ -55,7 +55,7 @@ def _controllers(env: gymnasium.Env[Any, Any], layout: Any) -> Iterator[Any]:
 
 def _run_mode(environment_id: str, scenario: str, mode: str) -> None:
     """Steps of an action mode."""
-    keywords = {"action_mode": mode, "control_frequency": _ACTION_FREQUENCY, "duration": 1.0}
+    keywords: dict[str, Any] = {"action_mode": mode, "control_frequency": _ACTION_FREQUENCY, "duration": 1.0}
     made = gymnasium.make(environment_id, scenario=scenario, engine=COMPILED, **keywords)
     with closing(made) as env:
         env.reset(seed=0)
@@ -66,6 +66,6 @@ def _run_mode(environment_id: str, scenario: str, mode: str) -> None:
 @contextmanager
 def _environment(environment_id: str, scenario: str, engine: str) -> Iterator[gymnasium.Env[Any, Any]]:
     """An environment whose actions are torques, with short episodes."""
-    keywords = {"control_frequency": _FREQUENCY, "duration": _DURATION}
+    keywords: dict[str, Any] = {"control_frequency": _FREQUENCY, "duration": _DURATION}
     with closing(gymnasium.make(environment_id, scenario=scenario, engine=engine, **keywords)) as env:
         yield env
