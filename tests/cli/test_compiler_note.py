@@ -1,6 +1,7 @@
 """One line of a command says that NumPy stands in for compiled code that the machine lacks."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -52,7 +53,7 @@ def test_every_command_that_simulates_much_has_the_line(
     class _SaidError(Exception):
         pass
 
-    def say(terminal: Terminal) -> None:
+    def say(terminal: Terminal, *_: Any) -> None:
         raise _SaidError
 
     module = command.replace("-", "_")

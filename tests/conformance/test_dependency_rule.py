@@ -54,7 +54,16 @@ MAY_IMPORT: dict[str, tuple[str, ...]] = {
     "viewing": ("envs", "baselines", "agents", "tuning", "reproduction", "runs"),
     "cli": (
         *("envs", "baselines", "agents", "linearization", "gradients", "action_modes", "tuning"),
-        *("reproduction", "console", "exporting", "runs", "recording", "comparison", "viewing"),
+        *(
+            "reproduction",
+            "console",
+            "exporting",
+            "prebuilding",
+            "runs",
+            "recording",
+            "comparison",
+            "viewing",
+        ),
     ),
 }
 """What every other package imports beside the core; `prp_gym/__init__.py` passes names of all packages on."""
