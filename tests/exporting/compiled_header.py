@@ -12,7 +12,7 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.baselines import Baseline, list_baselines, make_baseline
+from prp_gym.baselines import CONTROLLERS, Baseline, list_baselines, make_baseline
 from prp_gym.exporting import CHeader
 from prp_gym.symbolic.compiler import find_compiler
 
@@ -122,10 +122,11 @@ int {name}_one_step(const double *, double *, double *);"""
 
 @cache
 def controllers(environment_id: str) -> dict[str, Baseline[Any]]:
-    """The controllers that run on an environment, by name."""
+    """The controllers that run on an environment and can be traced, by name."""
     with closing(gymnasium.make(environment_id)) as env:
         names = list_baselines(env.get_wrapper_attr("observation_layout"))
-        return {name: make_baseline(name, env) for name in names}
+        traced = [name for name in names if CONTROLLERS.find(name).policy.compiled]
+        return {name: make_baseline(name, env) for name in traced}
 
 
 @cache

@@ -3,14 +3,16 @@
 import re
 import shutil
 import subprocess
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.baselines import Baseline
+from prp_gym.baselines import Baseline, make_baseline
 from prp_gym.baselines.joint_pd import JointPDController
 from prp_gym.errors import DataDependentBranchError, InvalidValueError, UntraceableError
 from prp_gym.exporting import c_header, default_prefix
@@ -249,3 +251,10 @@ def test_what_is_no_baseline_is_refused() -> None:
 )
 def test_comments_are_ascii_and_cannot_end_early(text: str, plain: str) -> None:
     assert comment_text(text) == plain
+
+
+def test_controller_that_optimises_a_plan_is_refused() -> None:
+    with closing(gymnasium.make("PRP-JointTracking-v0")) as env:
+        controller = make_baseline("model_predictive", env)
+    with pytest.raises(UntraceableError):
+        c_header(controller)

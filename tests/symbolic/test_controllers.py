@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from prp_gym.baselines import Baseline, list_baselines, make_baseline
+from prp_gym.baselines import CONTROLLERS, Baseline, list_baselines, make_baseline
 from prp_gym.symbolic.function import SymbolicFunction, trace
 from prp_gym.tasks.registration import list_envs
 from tests.symbolic.compilation import Array, CompiledFunction, compile_together
@@ -41,11 +41,12 @@ def control_law(policy: Baseline[Any], observation: Array) -> SymbolicFunction:
 
 @cache
 def controllers(environment_id: str) -> tuple[dict[str, Baseline[Any]], Array]:
-    """The controllers that fit a task by name, and the first observation (1, size) of an episode."""
+    """The controllers of a task that can be traced, by name, and the first observation (1, size)."""
     with closing(gymnasium.make(environment_id, scenario="realistic")) as env:
         observation, _ = env.reset(seed=3)
         names = list_baselines(env.get_wrapper_attr("observation_layout"))
-        return {name: make_baseline(name, env) for name in names}, observation[None].astype(np.float64)
+        traced_ones = [name for name in names if CONTROLLERS.find(name).policy.compiled]
+        return {name: make_baseline(name, env) for name in traced_ones}, observation[None].astype(np.float64)
 
 
 def traced(environment_id: str) -> dict[str, SymbolicFunction]:
