@@ -21,7 +21,7 @@ from rich.table import Table
 
 from bench.rounds import CONTACT, FREE, REACHER
 from bench.single import bare_loop, random_actions
-from prp_gym.baselines import list_baselines, make_baseline
+from prp_gym.baselines import CONTROLLERS, list_baselines, make_baseline
 from prp_gym.evaluation import evaluate
 from prp_gym.gradients.score_gradient import score_gradient
 from prp_gym.tasks.setup import COMPILED, MUJOCO
@@ -79,7 +79,7 @@ def comparisons() -> Iterator[Comparison]:
     for scenario in ("randomized", "realistic"):
         for environment in (FREE, CONTACT, FORCE):
             one, other = (Program("evaluate", environment, engine, scenario) for engine in (COMPILED, MUJOCO))
-            yield Comparison("episodes of all controllers, with metrics", one, other, 15.0)
+            yield Comparison("episodes of all traced controllers, with metrics", one, other, 15.0)
     for environment, goal in ((FREE, 1.0), (CONTACT, 4.0), (FORCE, 4.0)):
         one, other = (Program("held", environment, engine) for engine in (COMPILED, MUJOCO))
         yield Comparison("step of the action mode that ships, N = 8", one, other, goal)
@@ -168,10 +168,11 @@ def _bare(program: Program) -> Callable[[], float]:
 
 
 def _evaluate(program: Program) -> Callable[[], float]:
-    """Episodes of all controllers of a task, with all metrics."""
+    """Episodes of all controllers of a task that can be traced, with all metrics."""
     env = gymnasium.make(program.environment, **_keywords(program))
     layout = env.get_wrapper_attr("observation_layout")
-    policies = [make_baseline(name, env) for name in list_baselines(layout)]
+    names = [name for name in list_baselines(layout) if CONTROLLERS.find(name).policy.compiled]
+    policies = [make_baseline(name, env) for name in names]
 
     def chunk() -> float:
         for policy in policies:
