@@ -16,7 +16,7 @@ from prp_gym.errors import InvalidValueError, NonFiniteError, ShapeError
 from prp_gym.physics.abstract_simulation import PhysicsState
 from prp_gym.robot.arrays import Array
 
-_WHAT, _MEMORY = "saved state", "_memory"
+_WHAT, _MEMORY, _ROWS = "saved state", "_memory", "_rows"
 
 
 class EnvState(NamedTuple):
@@ -156,6 +156,8 @@ class _Comparison:
         for name, value in mine.items():
             if name == _MEMORY and theirs[name] is None:
                 continue  # after a reset an action mode has none
+            if name == _ROWS and isinstance(theirs[name], np.ndarray) and len(value):
+                value = np.broadcast_to(value[:1], (len(theirs[name]), *value.shape[1:]))  # of any number
             self.compare(f"{what}'s {str(name).strip('_')}", theirs[name], value)
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from prp_gym.drawing.overlay import Ball, OverlayItem, Path
 from prp_gym.palette import REFERENCE, rgba
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, zeros
 from prp_gym.tasks.fields import DESIRED_FORCE, JOINT_REFERENCE_FIELDS, POSE_REFERENCE_FIELDS, Field
 from prp_gym.tasks.parts import Reference
 from prp_gym.tasks.trajectory import Trajectory
@@ -124,7 +124,7 @@ class ForceAndPoseReference(PoseSpaceReference):
     def sample(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
         """See `Reference.sample`."""
         pose = super().sample(time, ids)
-        sample = np.empty((*pose.shape[:-1], pose.shape[-1] + 3))
+        sample = zeros((*pose.shape[:-1], pose.shape[-1] + 3), pose)
         sample[..., :-3] = pose
         sample[..., -3:] = self._forces if ids is None else self._forces[ids]
         return sample

@@ -79,7 +79,7 @@ class ReferenceWindow:
             current: Present reference (N, size).
         """
         self._elapsed, self._rows = elapsed, current[None]
-        self._first, self._length, self._sampled = self._tick, 1, 1
+        self._first, self._sampled = self._tick, 1
 
     def times_ahead(self, periods: int) -> Array:
         """Times since the start of each episode (periods, N) in the next periods [s]."""
@@ -108,8 +108,8 @@ class ReferenceWindow:
     def _fill(self, sampler: Sampler, count: int) -> None:
         """Sample the references of all environments over a number of periods from now on."""
         values = sampler(self._times(self._elapsed, count), None)
-        if not self.started:
-            self._rows = np.zeros((self._length, *values.shape[1:]))
+        if len(self._rows) < count:  # at first, and after others have kept the present reference
+            self._rows = np.zeros((count if self.started else self._length, *values.shape[1:]))
         self._first, self._sampled = self._tick, count
         self._rows[:count] = values
 

@@ -2,6 +2,7 @@
 
 import itertools
 import pickle
+from contextlib import closing
 from typing import Any
 
 import gymnasium
@@ -11,6 +12,7 @@ import pytest
 import prp_gym
 from prp_gym.baselines import CONTROLLERS, make_baseline
 from prp_gym.envs.action_mode import list_action_modes
+from prp_gym.envs.core.period_source import PeriodSource
 from prp_gym.envs.vector import PRPVectorEnv
 from prp_gym.errors import MissingFieldError, UnknownNameError
 from prp_gym.tasks import SCENARIOS
@@ -160,3 +162,12 @@ def test_single_and_vectorised_environments_have_the_same_bits() -> None:
 def test_another_engine_is_refused() -> None:
     with pytest.raises(UnknownNameError, match="engine"):
         gymnasium.make("PRP-Force-v0", engine="bullet")
+
+
+@pytest.mark.parametrize("environment_id", prp_gym.list_envs())
+def test_reference_of_every_task_is_computed_in_compiled_code(environment_id: str) -> None:
+    """Without a sampling ahead in NumPy, which takes as long as the rest of a step."""
+    with closing(gymnasium.make(environment_id, engine="compiled")) as env:
+        env.reset(seed=0)
+        loop: Any = env.unwrapped.loop  # type: ignore[attr-defined]
+        assert PeriodSource(loop).references is not None

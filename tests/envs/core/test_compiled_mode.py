@@ -85,8 +85,11 @@ def test_copy_and_saved_state_go_on_as_the_original(how: str, steps: int) -> Non
     assert stepped_in_code(env)
 
 
-def test_state_is_restored_in_the_midst_of_an_episode() -> None:
-    ours, theirs = (make(FORCE, STATEFUL, **SHORT) for make in (compiled, in_numpy))
+@pytest.mark.parametrize(
+    ("environment_id", "mode"), [(FORCE, STATEFUL), ("PRP-JointTracking-v0", "joint_inverse_dynamics")]
+)
+def test_state_is_restored_in_the_midst_of_an_episode(environment_id: str, mode: str) -> None:
+    ours, theirs = (make(environment_id, mode, **SHORT) for make in (compiled, in_numpy))
     actions = random_actions(ours, 6)
     for env in (ours, theirs):
         env.reset(seed=1)
@@ -100,6 +103,8 @@ def test_state_is_restored_in_the_midst_of_an_episode() -> None:
             env.set_state(state)
     assert_same(ours.set_state(states[1]), theirs.set_state(states[0]), "observation")
     assert_same(ours.step(actions[2]), theirs.step(actions[2]), "step")
+    assert_same(ours.reset(seed=2), theirs.reset(seed=2), "observation")
+    assert_same(ours.step(actions[3]), theirs.step(actions[3]), "step")
 
 
 def test_listener_hears_every_period_and_changes_nothing() -> None:
