@@ -47,10 +47,11 @@ static inline int prp_tape_period(
     memcpy(now->command, plan->command + PRP_JOINTS * row, joints);
     memcpy(now->saturated, plan->saturated + PRP_JOINTS * row, joints);
     memcpy(now->torque, plan->torque + PRP_JOINTS * row, joints);
-    for (long step = 0; step < substeps && !plan->lost[row]; step++, motion += 2 * PRP_JOINTS) {
+    for (long step = 0; step < substeps; step++, motion += 2 * PRP_JOINTS) {
         memcpy(motion, q, joints), memcpy(motion + PRP_JOINTS, v, joints);
-        plan->lost[row] = prp_substep(
-            plan->world, q, v, now->torque, plan->plants + PRP_PLANT * row, plan->surfaces + PRP_SURFACE * row);
+        if (!plan->lost[row]) /* else it stays where it is, and the tape is complete all the same */
+            plan->lost[row] = prp_substep(
+                plan->world, q, v, now->torque, plan->plants + PRP_PLANT * row, plan->surfaces + PRP_SURFACE * row);
     }
     memcpy(motion, q, joints), memcpy(motion + PRP_JOINTS, v, joints);
     prp_advance(
@@ -129,8 +130,8 @@ static long prp_forward(
     return k;
 }
 
-/* Scores of some episodes, and their derivatives by the controller's numbers and its initial state, unless
-   `reverse` is null. Returns whether there was enough memory.
+/* Scores of some episodes, and their derivatives by the controller's numbers and its initial state. Returns
+   whether there was enough memory.
 
    ended: see `prp_run`. */
 int prp_differentiate(long first, long count, const prp_plan *plan, const prp_gradient *gradient)
@@ -146,8 +147,6 @@ int prp_differentiate(long first, long count, const prp_plan *plan, const prp_gr
     for (long row = first; enough && row < first + count; row++) {
         const long periods = prp_forward(plan, gradient, &still, row, &tape);
         plan->ended[row] = periods < 0 || plan->lost[row] ? periods : 0;
-        if (!gradient->reverse)
-            continue;
         prp_between d;
         memset(&d, 0, sizeof d);
         for (long k = periods - 1; k >= 0; k--)

@@ -15,7 +15,7 @@ class _Gradient(ctypes.Structure):
     """`prp_gradient` of the C code.
 
     Attributes:
-        reverse: reverse of the controller; null for scores alone.
+        reverse: reverse of the controller.
         count: number of the controller's numbers.
         weight: weight of a period's reward in the score.
         score: scores.
@@ -69,7 +69,7 @@ class CompiledGradients(CompiledPeriods):
         """Run whole episodes.
 
         Args:
-            controller: `ReversibleController`; one whose `reverse` is None gives the scores alone.
+            controller: `ReversibleController`.
             observation: Observations (N, size) after the reset of all environments.
 
         Returns:
