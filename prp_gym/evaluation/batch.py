@@ -62,7 +62,7 @@ def record_episodes(policy: Policy, env: gymnasium.Env[Any, Any], seeds: Sequenc
 
 def _record(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout]:
     """Episodes of an environment, side by side."""
-    loop, rngs, observation = begin(inner, seeds)
+    loop, rngs, observation = begin(inner.make_loop, seeds)
     everyone = np.ones(len(seeds), dtype=np.bool_)
     horizon, recorder, times = inner.config.horizon, Recorder(inner, loop), []
     shape = tuple(inner.action_space.shape)

@@ -1,7 +1,7 @@
 """Episodes of many seeds that compiled code runs with the controller in it."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +35,7 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     """
     if not runs_compiled(policy, inner):
         return None
-    loop, _, observation = begin(inner, seeds)
+    loop, _, observation = begin(inner.make_loop, seeds)
     recorder = Recorder(inner, loop)
     try:
         controller = CompiledController(policy, observation)
@@ -49,10 +49,17 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     return [recorder.rollout(row, int(seed), np.array(times)) for row, seed in enumerate(seeds)]
 
 
-def begin(inner: Any, seeds: Sequence[int]) -> tuple[Any, list[np.random.Generator], Array]:
-    """A loop of one environment for each seed, which was reset; its generators and its observations."""
+def begin(
+    make_loop: Callable[[int], Any], seeds: Sequence[int]
+) -> tuple[Any, list[np.random.Generator], Array]:
+    """A loop in which an episode of each seed begins; its generators and its observations.
+
+    Args:
+        make_loop: function that gives a loop of so many environments.
+        seeds: seeds of the episodes (N).
+    """
     rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
-    loop = inner.make_loop(len(seeds))
+    loop = make_loop(len(seeds))
     return loop, rngs, loop.reset(np.arange(len(seeds)), rngs, {})
 
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import seeding
 
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.envs.core.compiled_gradient import CompiledGradients
 from prp_gym.envs.core.make_loop import make_loop
 from prp_gym.errors import InvalidValueError, NonFiniteError, UntraceableError
+from prp_gym.evaluation.compiled_batch import begin
 from prp_gym.evaluation.compiled_controller import CONSTANTS, ControllerFormula
 from prp_gym.gradients.reversible_controller import ReversibleController
 from prp_gym.robot.arrays import Array
@@ -42,9 +42,10 @@ class DifferentiatedEpisodes:
     def __init__(self, env: gymnasium.Env[Any, Any], controller: Any, seeds: Sequence[int]) -> None:
         inner: Any = env.unwrapped
         _check(inner, controller, seeds)
-        loop = make_loop(inner.make_task, replace(inner.config, engine=COMPILED), len(seeds), num_threads=0)
-        rngs = [seeding.np_random(int(seed))[0] for seed in seeds]
-        self._observation = loop.reset(np.arange(len(seeds)), rngs, {})
+        config = replace(inner.config, engine=COMPILED)
+        loop, _, self._observation = begin(
+            lambda count: make_loop(inner.make_task, config, count, num_threads=0), seeds
+        )
         found = CompiledGradients(loop).differentiate(
             ReversibleController(controller, self._observation), self._observation
         )

@@ -5,11 +5,10 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from gymnasium.utils import seeding
 from numpy.typing import NDArray
 
 from prp_gym.errors import CompilerError, UntraceableError
-from prp_gym.evaluation.compiled_batch import runs_compiled
+from prp_gym.evaluation.compiled_batch import begin, runs_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController, CompiledControllers
 from prp_gym.evaluation.rollout import Policy
 from prp_gym.robot.arrays import Array
@@ -27,23 +26,6 @@ class CompiledTotals(NamedTuple):
 
     reward: Array
     ended: NDArray[np.intp]
-
-
-def begin_episodes(make_loop: MakeLoop, seeds: Sequence[int], repetitions: int) -> tuple[Any, Array]:
-    """A loop in which the episodes of some seeds begin, several times one after the other.
-
-    Args:
-        make_loop: function that gives a loop of so many environments.
-        seeds: seeds of the episodes.
-        repetitions: number of policies that run each of them.
-
-    Returns:
-        the loop, and the observations (repetitions * seeds, size).
-    """
-    count = len(seeds) * repetitions
-    loop = make_loop(count)
-    rngs = [seeding.np_random(int(seed))[0] for _ in range(repetitions) for seed in seeds]
-    return loop, loop.reset(np.arange(count), rngs, {})
 
 
 def run_compiled(
@@ -68,7 +50,7 @@ def run_compiled(
     fitting = [index for index, policy in enumerate(policies) if runs_compiled(policy, inner)]
     if not fitting:
         return {}
-    _, observation = begin_episodes(make_loop, seeds, 1)
+    _, _, observation = begin(make_loop, seeds)
     groups: dict[int, dict[int, CompiledController]] = {}
     found: dict[int, CompiledTotals] = {}
     for index in fitting:
@@ -92,7 +74,7 @@ def _run_group(
     controllers: Sequence[CompiledController], make_loop: MakeLoop, seeds: Sequence[int]
 ) -> list[CompiledTotals]:
     """What the episodes of each controller have given; empty where compiled code cannot run them."""
-    loop, observation = begin_episodes(make_loop, seeds, len(controllers))
+    loop, _, observation = begin(make_loop, [*seeds] * len(controllers))
     try:
         totals = loop.score_episodes(CompiledControllers.of(controllers), observation)
     except UntraceableError:

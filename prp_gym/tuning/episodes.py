@@ -8,10 +8,11 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.evaluation.compiled_batch import begin
 from prp_gym.evaluation.policy_output import check_output, takes_batches
 from prp_gym.evaluation.rollout import Policy, check_environment
 from prp_gym.robot.arrays import Array
-from prp_gym.tuning.compiled_episodes import CompiledTotals, begin_episodes, run_compiled
+from prp_gym.tuning.compiled_episodes import CompiledTotals, run_compiled
 
 
 class EpisodeScores(NamedTuple):
@@ -101,7 +102,7 @@ class Episodes:
     def _run(self, policies: Sequence[Policy], seeds: Sequence[int]) -> list[EpisodeScores]:
         """The scores of policies whose episodes are simulated in one loop, those of a policy in a row."""
         size, count = len(seeds), len(seeds) * len(policies)
-        loop, observation = begin_episodes(self._make_loop, seeds, len(policies))
+        loop, _, observation = begin(self._make_loop, [*seeds] * len(policies))
         acting = [_Acting(policy, (size, *self._shape)) for policy in policies]
         returns, steps = np.zeros(count), np.zeros(count, dtype=np.int64)
         alive = np.ones(count, dtype=np.bool_)

@@ -151,7 +151,7 @@ def test_threads_do_not_change_the_episodes(monkeypatch: pytest.MonkeyPatch) -> 
 
 def test_controllers_with_other_gains_share_their_compiled_code() -> None:
     env = brief(TRACKING, "realistic")
-    _, _, observation = begin(env, (1,))
+    _, _, observation = begin(env.make_loop, (1,))
     soft, stiff = (make_baseline("joint_pd", env, proportional_gain=gain) for gain in (50.0, 90.0))
     functions = [CompiledController(policy, observation) for policy in (soft, stiff)]
     assert functions[0].function.value == functions[1].function.value
