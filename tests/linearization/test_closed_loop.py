@@ -9,8 +9,9 @@ import pytest
 import prp_gym
 from prp_gym import controller, make_baseline
 from prp_gym.errors import ShapeError, UntraceableError
-from tests.linearization.periods import Loop, deviation, differences
+from tests.linearization.periods import Loop, deviation
 from tests.support.compiler import needs_compiler
+from tests.support.differences import differences
 
 pytestmark = needs_compiler
 

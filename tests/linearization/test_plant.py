@@ -16,8 +16,9 @@ from prp_gym.physics import Physics, PhysicsSettings, Surface
 from prp_gym.physics.engines import in_closed_form
 from prp_gym.physics.sampled_plant import SampledPlant
 from prp_gym.robot import PRPArm, RobotParameters
-from tests.linearization.periods import deviation, differences
+from tests.linearization.periods import deviation
 from tests.support.compiler import needs_compiler
+from tests.support.differences import differences
 from tests.support.pinocchio_model import Array
 
 pytestmark = needs_compiler

@@ -2,7 +2,6 @@
 
 import ctypes
 import itertools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from prp_gym.robot.parameters import NOMINAL
 from prp_gym.symbolic.compiler import load_library
 from tests.physics.test_compiled_arm import random_surface
 from tests.support.compiler import needs_compiler
+from tests.support.differences import WIDTH, differences
 from tests.support.pinocchio_model import Array
 
 pytestmark = needs_compiler
@@ -23,7 +23,6 @@ pytestmark = needs_compiler
 COUNT, TIMESTEP = 24, 0.001
 WORLDS = list(itertools.product((False, True), repeat=3))  # joint stops, surface, Coulomb friction
 SPREAD = np.array([4.0, 20.0, 2.0])  # of random torques [N m, N, N m]
-WIDTH = 3e-6  # of differences: far below 1e-3, in which the impedance of a joint stop changes
 ROUNDING = 4e-8
 """Largest deviation of a difference quotient, relative to 1 + |derivative|: rounding over `WIDTH`, at a stop
 of reference accelerations of 1e3 rad/s² and weights of 100 times the inertia. Without stops it is 1e-10."""
@@ -99,20 +98,6 @@ class Arms:
     def zones(self, given: Array) -> Array:
         """The zone of each constraint: friction (3), stops (3), surface."""
         return self.call("zones", given, (), 7)[0]
-
-
-def differences(function: Callable[[Array], Array], at: Array) -> Array:
-    """Central differences of the fourth order (results, arguments)."""
-    columns = []
-    for index in range(len(at)):
-        width = WIDTH * max(1.0, abs(at[index]))
-        values = []
-        for share in (1.0, -1.0, 2.0, -2.0):
-            moved = at.copy()
-            moved[index] += share * width
-            values.append(function(moved))
-        columns.append((8.0 * (values[0] - values[1]) - (values[2] - values[3])) / (12.0 * width))
-    return np.stack(columns, axis=1)
 
 
 def crossings(arms: Arms, at: Array, count: int) -> bool:
