@@ -1,6 +1,6 @@
 """`DifferentiatedEpisodes`: scores of episodes, and how they change with a controller to first order."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from prp_gym.envs.action_mode import TORQUE
 from prp_gym.envs.core.compiled_gradient import CompiledGradients
 from prp_gym.envs.core.make_loop import make_loop
-from prp_gym.errors import InvalidValueError, NonFiniteError, UntraceableError
+from prp_gym.errors import InvalidValueError, NonFiniteError, PRPError, UntraceableError
 from prp_gym.evaluation.compiled_batch import begin
 from prp_gym.evaluation.compiled_controller import CONSTANTS, ControllerFormula
 from prp_gym.gradients.reversible_controller import ReversibleController
@@ -74,6 +74,40 @@ class DifferentiatedEpisodes:
         change = np.where(equal, 0.0, numbers - np.where(equal, 0.0, numbers_less))
         found: Array = self._by_numbers @ change + (self._by_state * (state - state_less)).sum(axis=1)
         return found
+
+    def derivatives(self, make: Callable[[float], Any], step: float) -> Array | None:
+        """The derivatives of the scores along a change of the controller, by differences of what it keeps.
+
+        A controller computes what it keeps from its settings once, when it is made. These formulas are smooth
+        and have no noise, so that differences give their derivatives to about eight digits; where one side is
+        refused they are one-sided.
+
+        Args:
+            make: makes the controller at a distance along the change, 0 for the present one; it may raise a
+                `PRPError` for others.
+            step: distance of the differences, whose error is of the order of its square, relative to the
+                scale of the change, and 1e-16 over it.
+
+        Returns:
+            the derivative in each episode (N); None where there is none: both sides are refused, or have
+            another structure, see `differences`.
+        """
+        here = make(0.0)
+
+        def change(distance: float) -> Array | None:
+            try:
+                return self.differences(make(distance), here)
+            except PRPError:
+                return None
+
+        above, below = change(step), change(-step)
+        if above is not None and below is not None:
+            return (above - below) / (2.0 * step)
+        for once, direction in ((above, 1.0), (below, -1.0)):
+            twice = change(2.0 * direction * step)
+            if once is not None and twice is not None:
+                return direction * (4.0 * once - twice) / (2.0 * step)
+        return None
 
     def _read(self, controller: Any) -> tuple[Array, Array]:
         """The numbers of a controller (P), and its state in the first period of each episode (N, S)."""

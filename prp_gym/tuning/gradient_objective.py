@@ -18,7 +18,7 @@ LARGEST_SLOPE = 1.0
 [0, 1]. In limit cycles and repeated impacts, where scores are chaotic, derivatives grow exponentially with
 time; such episodes are left out of a sum of derivatives."""
 
-_STEP = 1e-4  # of the logarithm of a factor, see `by_settings`
+_STEP = 1e-4  # in the logarithm of a factor
 
 
 class GradientObjective(Objective):
@@ -62,7 +62,7 @@ class GradientObjective(Objective):
                 return self._refused()
             means.append(float(np.mean(found.scores)))
             steps += int(np.where(found.ended > 0, found.ended, run.episodes.horizon).sum())
-            rows = np.stack([_slopes(found, run.candidates, policy, factors, name) for name in factors])
+            rows = np.stack([_slopes(found, run.candidates, factors, name) for name in factors])
             tells = np.isfinite(rows).all(axis=0) & (np.abs(rows) <= LARGEST_SLOPE).all(axis=0)
             slopes += np.where(tells, rows, 0.0).mean(axis=1) / len(self.runs)
         by_factor = dict(zip(factors, slopes.tolist(), strict=True))
@@ -73,24 +73,12 @@ class GradientObjective(Objective):
 
 
 def _slopes(
-    found: DifferentiatedEpisodes,
-    candidates: Candidates,
-    policy: Policy,
-    factors: Mapping[str, float],
-    name: str,
+    found: DifferentiatedEpisodes, candidates: Candidates, factors: Mapping[str, float], name: str
 ) -> Array:
-    """The derivative of each score by the logarithm of a factor (N); one-sided where a side is refused."""
+    """The derivative of each score by the logarithm of a factor (N); 0 where the factor cannot be changed."""
 
-    def change(step: float) -> Array | None:
-        try:
-            other = candidates.make({**factors, name: factors[name] * math.exp(step)})
-        except PRPError:
-            return None
-        return found.differences(other, policy)
+    def make(distance: float) -> Policy:
+        return candidates.make({**factors, name: factors[name] * math.exp(distance)})
 
-    above, below = change(_STEP), change(-_STEP)
-    if above is not None and below is not None:
-        return (above - below) / (2.0 * _STEP)
-    if above is not None:
-        return above / _STEP
-    return np.zeros_like(found.scores) if below is None else -below / _STEP
+    slopes = found.derivatives(make, _STEP)
+    return np.zeros_like(found.scores) if slopes is None else slopes
