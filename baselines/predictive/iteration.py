@@ -2,6 +2,7 @@
 
 import ctypes
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from prp_gym.baselines.predictive.formulas import (
     source_of,
 )
 from prp_gym.baselines.predictive.knots import Knot
+from prp_gym.errors import CompilerError
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default, load_library
 
@@ -70,7 +72,9 @@ class Improved(NamedTuple):
 
 
 def improve(model: Model, problem: Problem, torque: Array) -> Improved:
-    """One iteration, in compiled code where there is a compiler, else with NumPy; both have the same bits.
+    """One iteration, in compiled code where the machine has it for this model, else with NumPy.
+
+    Both have the same bits.
 
     Args:
         model: nominal robot.
@@ -79,8 +83,20 @@ def improve(model: Model, problem: Problem, torque: Array) -> Improved:
 
     Source: Tassa 2014, II and III.
     """
-    chosen = improve_compiled if compiles_by_default() else improve_with_numpy
-    return chosen(model, problem, torque)
+    compiled = compiles_by_default() and _library_of(source_of(model)) is not None
+    return (improve_compiled if compiled else improve_with_numpy)(model, problem, torque)
+
+
+@lru_cache(maxsize=16)
+def _library_of(source: str) -> ctypes.CDLL | None:
+    """The compiled code; None where there is none.
+
+    So it is for a model of one's own with a wheel whose libraries are those of the nominal one.
+    """
+    try:
+        return load_library(source)
+    except CompilerError:
+        return None
 
 
 def improve_compiled(model: Model, problem: Problem, torque: Array) -> Improved:

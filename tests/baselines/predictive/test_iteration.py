@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from prp_gym.baselines.predictive import iteration
 from prp_gym.baselines.predictive.formulas import KNOTS
 from prp_gym.baselines.predictive.iteration import (
     Improved,
@@ -15,6 +16,7 @@ from prp_gym.baselines.predictive.iteration import (
     improve_compiled,
     improve_with_numpy,
 )
+from prp_gym.errors import CompilerError
 from prp_gym.robot import Link, PRPArm
 from tests.baselines.predictive.problems import (
     ARM,
@@ -168,3 +170,21 @@ def test_plan_that_cannot_be_improved_stays() -> None:
     np.testing.assert_allclose(found.torque, holding, atol=1e-9)
     np.testing.assert_allclose(found.expected, at_goal, atol=1e-12)
     np.testing.assert_allclose(found.cost, 0.0, atol=1e-15)
+
+
+def test_model_without_compiled_code_is_left_to_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one of a user's own is where a wheel has brought the libraries of the nominal model alone."""
+
+    def missing(source: str) -> None:
+        raise CompilerError("there is none.")
+
+    problem, plan = random_problem(LINK, 3), random_plan(LINK, 3)
+    expected = improve_with_numpy(LINK, problem, plan)
+    iteration._library_of.cache_clear()
+    monkeypatch.setattr(iteration, "compiles_by_default", lambda: True)
+    monkeypatch.setattr(iteration, "load_library", missing)
+    try:
+        for one, other in zip(improve(LINK, problem, plan), expected, strict=True):
+            np.testing.assert_array_equal(one, other)
+    finally:
+        iteration._library_of.cache_clear()
