@@ -23,6 +23,7 @@ LARGEST_WHOLE = 2**63 - 1
 """Largest whole number, that of an array of integers."""
 
 _FLOAT64 = np.dtype(np.float64)
+_PLAIN = (np.dtype(np.float32), _FLOAT64)
 _MOST_NUMBERS = 10**7  # that are converted from something else than an array
 _FEW = 16  # numbers, up to which a loop in Python is faster than one of NumPy
 _LONGEST_TEXT = 10_000  # characters
@@ -40,6 +41,8 @@ def as_numbers(what: str, value: object, unit: str = "") -> Array:
     Raises:
         InvalidValueError: a value that is neither a number nor an array of numbers.
     """
+    if type(value) is np.ndarray and value.dtype in _PLAIN:
+        return value.astype(np.float64)
     numbers = _array(value)
     if numbers.dtype.kind not in "iuf":
         raise InvalidValueError(what, value, "a number or numbers", unit)

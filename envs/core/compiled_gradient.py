@@ -93,10 +93,10 @@ class CompiledGradients(CompiledPeriods):
         )
         address = ctypes.addressof(request)
 
-        def run_rows(first: int, count: int) -> bool:
-            if not self._library.prp_differentiate(first, count, self.given.address, address):
+        def run_rows(first: int, count: int, plan: Any) -> bool:
+            if not self._library.prp_differentiate(first, count, plan, address):
                 raise MemoryError("not enough memory for the tape of an episode")
             return True
 
-        self._loop.physics.run(run_rows, self._loop.config.substeps)
+        self._loop.physics.run(run_rows, self._loop.config.substeps, self.given.address)
         return EpisodeGradients(score, numbers, state, ended)

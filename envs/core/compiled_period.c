@@ -43,6 +43,7 @@ static inline void prp_after(const prp_plan *plan, long row, long at, long to)
     double *memory = plan->memory + PRP_MEMORY * row, after[PRP_MEMORY + 1];
     const double ended = plan->lost[row];
     plan->clock[row] += 1.0;
+    plan->truncated[row] = plan->clock[row] >= plan->horizon;
     prp_refer_at(plan, row, at);
     prp_judge(
         plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row,
@@ -87,14 +88,15 @@ static inline void prp_add_up(const prp_plan *plan, long row, long k)
 }
 
 /* Periods of some environments, with a controller or with the actions that are given; see `PLAN` of
-   period_source.py. Returns whether all of them are within limits at the end.
+   period_source.py. Returns 1 if all of them are within limits at the end, 0 if one is beyond a joint stop,
+   -1 if one is lost, -2 if an action was not finite.
 
    ended: the period in which an environment was lost, or whose action was not finite, counted from 1, and
    negative in the second case; 0 for neither. */
 int prp_run(long first, long count, const prp_plan *plan)
 {
     double after[PRP_LARGEST_STATE];
-    int inside = 1;
+    int inside = 1, not_finite = 0;
     for (long row = first; row < first + count; row++) {
         double *state = plan->state + plan->state_size * row, *action = plan->action + PRP_JOINTS * row;
         int within = !plan->lost[row];
@@ -110,6 +112,7 @@ int prp_run(long first, long count, const prp_plan *plan)
             }
             if (!prp_finite(action, PRP_JOINTS)) {
                 plan->ended[row] = -(k + 1);
+                not_finite = 1;
                 break;
             }
             const long at = k * plan->rows + row, to = plan->record ? row * plan->periods + k : row;
@@ -125,8 +128,9 @@ int prp_run(long first, long count, const prp_plan *plan)
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }
-        inside &= within;
+        within = plan->lost[row] ? -1 : within;
+        inside = within < inside ? within : inside;
     }
-    return inside;
+    return not_finite ? -2 : inside;
 }
 #endif

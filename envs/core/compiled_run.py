@@ -17,6 +17,8 @@ from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
 
+_NOT_FINITE = -2  # result of `prp_run`, see there
+
 
 class CompiledPeriods:
     """The control periods of a loop in compiled code.
@@ -43,9 +45,10 @@ class CompiledPeriods:
         self._library = load_library(self._source.text)
         if self.simulates:
             self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
-        self.given = PeriodPlan(
-            Plan(rows=loop.num_envs, periods=1, period=1.0 / loop.config.control_frequency), {}
-        )
+        config = loop.config
+        plan = Plan(rows=loop.num_envs, periods=1, period=1.0 / config.control_frequency)
+        plan.horizon, self._substeps = config.horizon, config.substeps
+        self.given = PeriodPlan(plan, {})
         self._set, self._arrays, self._address = self.given.give, self.given.arrays, self.given.address
         self._parts = loop.period_parts()
         rows, parts = loop.num_envs, self._parts
@@ -64,6 +67,11 @@ class CompiledPeriods:
         self._set({name: np.zeros((rows, size)) for name, size in columns.items()})
         self._set({"clock": np.zeros(rows), "reward": np.zeros(rows), "ended": np.zeros(rows, dtype=np.intp)})
         self._set({"lost": np.zeros(rows, dtype=np.uint8), "task_numbers": self._source.numbers})
+        self._set({"truncated": np.zeros(rows, dtype=np.bool_)})
+        self._none = np.zeros(rows, dtype=np.bool_)
+        self._readings: ctypes.Structure | None = None
+        self._is_noisy = "noise" in columns
+        self._checks_itself = self.simulates and rows == 1 and not {"noise", "error"} & set(columns)
         if self.simulates:
             self.given.plan.world = ctypes.addressof(loop.physics.world)
             self._set(loop.physics.arrays)
@@ -89,6 +97,8 @@ class CompiledPeriods:
             loop.window.hold(arrays["clock"], arrays["reference"])
         else:
             self._set({"sampled": arrays["reference"].copy()})
+        arrays["truncated"][:] = arrays["clock"] >= loop.config.horizon
+        loop.ground_truth, loop.commanded_torque = arrays["ground_truth"], arrays["command"]
 
     def store(self) -> None:
         """Hand back what the loop's parts keep."""
@@ -109,32 +119,42 @@ class CompiledPeriods:
         Raises:
             NonFiniteError: NaN or infinity in an action; nothing is changed.
         """
-        loop, arrays = self._loop, self._arrays
-        arrays["action"][:] = action
-        if not self._library.prp_actions_are_finite(self._address):
+        arrays = self._arrays
+        arrays["action"][...] = action
+        if not (self._checks_itself or self._library.prp_actions_are_finite(self._address)):
             clip_actions(action)  # which refuses them by name
-        self._draw("noise", self._parts.actuators.noise_ahead(1))
+        if self._is_noisy:
+            self._draw("noise", self._parts.actuators.noise_ahead(1))
         if self.simulates:
             self._prepare()
-            self.run(self.given)
-        else:
-            self._library.prp_command(self._address)
-            loop.physics.set_torque(arrays["torque"])
-            loop.physics.advance(loop.config.substeps)
-            if not self._look_at_limits():
-                self.store()
-                return None
-            self._prepare()
-            loop.physics.measure(arrays["measured"])
-            self._library.prp_score(self._address)
+            if self._loop.physics.run(self._library.prp_run, self._substeps, self._address) == _NOT_FINITE:
+                clip_actions(action)
+        elif not self._step_mujoco():
+            self.store()
+            return None
         return self.outcome(arrays["reward"], arrays["info"])
+
+    def _step_mujoco(self) -> bool:
+        """Advance by one period with MuJoCo's physics; False, before the score, if a simulation is lost."""
+        physics, library, arrays = self._loop.physics, self._library, self._arrays
+        library.prp_command(self._address)
+        physics.set_torque(arrays["torque"])
+        physics.advance(self._substeps)
+        if physics.readings is not self._readings:  # at first, and in a forked process
+            self._readings = physics.readings
+            values = (self._arrays[name].ctypes.data for name in ("measured", "beyond"))
+            self._read = ctypes.byref(self._readings), *map(ctypes.c_void_p, values)
+        if not library.prp_read(*self._read):
+            return False
+        self._prepare()
+        library.prp_score(self._address)
+        return True
 
     def outcome(self, reward: Array, info: Array) -> Step:
         """The result of a step that compiled code has computed, with copies of its reward and `info`."""
-        loop, arrays = self._loop, self._arrays
-        loop.ground_truth, loop.commanded_torque = arrays["ground_truth"].copy(), arrays["command"].copy()
-        truncated = arrays["clock"] >= loop.config.horizon
-        return Step(arrays["observation"].copy(), reward.copy(), truncated & False, truncated, info.copy())
+        arrays = self._arrays
+        observation, truncated = arrays["observation"].copy(), arrays["truncated"].copy()
+        return Step(observation, reward.copy(), self._none.copy(), truncated, info.copy())
 
     def _draw(self, name: str, values: Array | None) -> None:
         """Give the random numbers of the next period to the compiled code."""
@@ -143,19 +163,11 @@ class CompiledPeriods:
 
     def _prepare(self) -> None:
         """Give the sensor errors of the next period to the compiled code, and a sampled reference."""
-        self._draw("error", self._parts.sensors.errors_ahead(1))
+        if "error" in self._arrays:
+            self._draw("error", self._parts.sensors.errors_ahead(1))
         if self._source.references is None:
             self._loop.window.advance(self._loop.task.reference)
             self._arrays["sampled"][:] = self._loop.window.current
-
-    def _look_at_limits(self) -> bool:
-        """Note which joints are beyond their stops; whether no simulation is out of bounds."""
-        physics, beyond = self._loop.physics, self._arrays["beyond"]
-        if physics.within_limits:
-            beyond[:] = 0.0
-            return True
-        beyond[:] = physics.stop_violation
-        return not physics.out_of_bounds.any()
 
     def commanded(self) -> tuple[Array, NDArray[np.bool_] | None]:
         """The command and the saturation of the last period, as `EpisodeLoop.judge` takes them."""
@@ -164,12 +176,7 @@ class CompiledPeriods:
 
     def run(self, given: PeriodPlan) -> None:
         """Run a plan for these simulations, with their threads."""
-
-        def run_rows(first: int, count: int) -> int:
-            inside: int = self._library.prp_run(first, count, given.address)
-            return inside
-
-        self._loop.physics.run(run_rows, self._loop.config.substeps)
+        self._loop.physics.run(self._library.prp_run, self._substeps, given.address)
 
     def drawn_ahead(self, periods: int) -> dict[str, Array]:
         """The random numbers of the next periods, which are over then, by their names in a plan."""

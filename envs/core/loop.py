@@ -78,7 +78,8 @@ class EpisodeLoop:
         self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
         self._substeps = config.substeps
         self._compiled: CompiledPeriods | None = None
-        self._may_compile = config.engine == COMPILED or compiles_by_default()
+        self._engine_is_compiled = config.engine == COMPILED
+        self._may_compile = self._engine_is_compiled or compiles_by_default()
         self._errors = ErrorObservation(task.layout, task.model) if config.observation == ERRORS else None
         self.observation_layout = task.layout if self._errors is None else self._errors.layout
         self._lay_out()
@@ -229,8 +230,8 @@ class EpisodeLoop:
 
     def _watched(self, outcome: Step) -> Step:
         """The result of a period of compiled code, after a look at which environments have diverged in it."""
-        if not self.physics.within_limits:
-            outcome = outcome._replace(terminated=self._diverged())
+        if self._engine_is_compiled and not self.physics.within_bounds:
+            outcome.terminated[:] = self._diverged()
         if not self._all_ready:
             outcome.truncated[outcome.terminated] = False
             which = self._needs_reset

@@ -171,7 +171,7 @@ class ModeLoop(EpisodeLoop):
 
     def _continued(self, before: Step, action: Array, waiting: NDArray[np.bool_]) -> Step:
         """Advance by one more period and add its results; environments that wait keep theirs."""
-        kept = self.ground_truth, self.commanded_torque, self.physics.torque.copy()
+        kept = self.ground_truth.copy(), self.commanded_torque.copy(), self.physics.torque.copy()
         after = self._period(action, waiting)
         info = np.where(self._added, before.info + after.info, after.info)
         if not np.count_nonzero(waiting):

@@ -18,6 +18,7 @@ _ARRAYS = (
     *("ground_truth", "command", "applied", "info", "reward", "total"),
     *("shares", "added", "step_info", "step_reward"),
 )
+_OTHERS = ("controller", "world", "lost", "waiting", "ended", "truncated")
 _COUNTS = ("rows", "periods", "record", "state_size", "input_size", "numbers_size")
 
 
@@ -30,6 +31,7 @@ class Plan(ctypes.Structure):
         lost: whether an environment was lost, see `prp_advance`.
         waiting: whether an environment is left as it is; null for none.
         ended: see `prp_run`.
+        truncated: whether the duration of the episode is over.
         rows: number of environments.
         periods: number of periods.
         record: whether every period is recorded.
@@ -37,6 +39,7 @@ class Plan(ctypes.Structure):
         input_size: size of an environment's input to the controller.
         numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
         period: control period [s].
+        horizon: control periods in an episode.
         position: arrays of the simulations, to `beyond`; see `prp_advance`.
         task_numbers: numbers of the task.
         reference_numbers: numbers of each environment's reference.
@@ -67,9 +70,10 @@ class Plan(ctypes.Structure):
     """
 
     _fields_: ClassVar = [
-        *((name, ctypes.c_void_p) for name in ("controller", "world", "lost", "waiting", "ended")),
+        *((name, ctypes.c_void_p) for name in _OTHERS),
         *((name, ctypes.c_long) for name in _COUNTS),
         ("period", ctypes.c_double),
+        ("horizon", ctypes.c_double),
         *((name, ctypes.c_void_p) for name in _ARRAYS),
     ]
 
@@ -84,8 +88,9 @@ typedef struct {{
     unsigned char *lost;
     const unsigned char *waiting;
     long *ended;
+    unsigned char *truncated;
     long {", ".join(_COUNTS)};
-    double period;
+    double period, horizon;
     double {", ".join(f"*{name}" for name in _ARRAYS)};
 }} prp_plan;
 """

@@ -11,6 +11,7 @@ from prp_gym.envs.core.argument_checks import limit_actions
 from prp_gym.envs.core.period_parts import PeriodParts, ReferenceRows
 from prp_gym.envs.core.period_plan import LARGEST_STATE, PLAN
 from prp_gym.errors import UntraceableError
+from prp_gym.physics.batch_readings import READINGS
 from prp_gym.physics.compiled_simulation import WORLD, CompiledSimulation
 from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import zeros
@@ -36,8 +37,8 @@ class PeriodSource:
     Attributes:
         numbers: numbers of the task (P).
         rows: rows of what task and actuators keep from one period to the next.
-        references: rows of the references; None where these are sampled ahead: with MuJoCo's physics, and
-            where they cannot be traced.
+        references: rows of the references; None where these are sampled ahead: where they cannot be traced,
+            and with MuJoCo's physics where their bits depend on the machine.
         is_exact: whether every machine gives the bits of NumPy.
         actuate: function from actions to torques.
         judge: function from the measurement to ground truth, observation, reward and `info`.
@@ -67,12 +68,10 @@ class PeriodSource:
         self.numbers = numbers_of(self._parts, CONSTANTS)
         self.references: ReferenceRows | None = None
         self.actuate, self.judge = self._traced_actuators(), self._traced_judge()
-        functions = [self.actuate, self.judge]
-        if self._sizes["physics"]:
-            functions += self._traced_reference(task)
+        functions = [self.actuate, self.judge, *self._traced_reference(task)]
         self._sizes["reference_numbers"] = self.references.size if self.references else 0
         self.is_exact = all(function.is_exact for function in functions)
-        physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}"
+        physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}\n{READINGS}"
         self.text = self._source(physics, functions)
 
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
@@ -81,7 +80,7 @@ class PeriodSource:
         return "\n".join(["#include <string.h>", physics, sizes, PLAN, *map(c_function, functions), loop])
 
     def _traced_reference(self, task: Any) -> list[SymbolicFunction]:
-        """From time to reference, where it can be traced and branches on none of its numbers."""
+        """From time to reference, see `references`."""
         with suppress(UntraceableError):
             rows = ReferenceRows(task.parts.reference)
 
@@ -89,8 +88,9 @@ class PeriodSource:
                 return {"reference": rows.formula(row).sample(clock * period)}
 
             function = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
-            self.references = rows
-            return [function]
+            if self._sizes["physics"] or function.is_exact:
+                self.references = rows
+                return [function]
         return []
 
     def _traced_actuators(self) -> SymbolicFunction:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.physics.abstract_simulation import PhysicsState, Simulation
+from prp_gym.physics.batch_readings import BatchReadings
 from prp_gym.physics.clock import stop_clock_once
 from prp_gym.physics.lost_batch import LostBatch, rebuild_after_fork
 from prp_gym.physics.model_fields import Ids, ModelFields, check_states, rows_of
@@ -35,6 +36,7 @@ class BatchSimulation(Simulation):
     Attributes:
         joint_count: Number of joints, n in the shapes below; units are those of the robot's joints.
         measurement_size: Number of columns of `measurement`.
+        readings: Arrays of the batch that compiled code reads, another structure after a fork.
 
     Raises:
         InvalidValueError: fewer than one simulation.
@@ -104,6 +106,10 @@ class BatchSimulation(Simulation):
         self._warnings[:] = _NO_WARNING
         self._warnings_at_home = self._batch.warning[0].copy()
         self._without_warning = self._warnings.tobytes()
+        arrays = {"sensors": self._sensors, "gain": self._gain, "offset": self._offset}
+        arrays |= {"bound": self._threshold, "warnings": self._warnings}
+        stop = -1 if layout.stop_violation == NO_COLUMNS else layout.stop_violation.start
+        self.readings = BatchReadings.of(arrays, stop, _NO_WARNING)
 
     def _view_of(self, columns: slice, width: int) -> Array:
         """View of the sensors' columns, or zeros if the world has no such sensors."""
