@@ -21,6 +21,22 @@ static inline void prp_refer_at(const prp_plan *plan, long row, long at)
 #endif
 }
 
+/* The row of what is recorded of a period, the k-th from 0. */
+static inline long prp_recorded_at(const prp_plan *plan, long row, long k)
+{
+    return plan->record ? row * plan->periods + k : row;
+}
+
+/* Let the controller choose the action of one environment. */
+static inline void prp_control(const prp_plan *plan, long row)
+{
+    double after[PRP_LARGEST_STATE], *state = plan->state + plan->state_size * row;
+    plan->controller(
+        plan->observation + PRP_OBSERVED * row, state, plan->input + plan->input_size * row,
+        plan->controller_numbers + plan->numbers_size * row, plan->action + PRP_JOINTS * row, after);
+    memcpy(state, after, sizeof(double) * plan->state_size);
+}
+
 /* What comes before the physics in a period of one environment: from its action to the torques.
 
    at: row of the period and environment in what is given for every period; to: in what is recorded. */
@@ -42,38 +58,18 @@ static inline void prp_after(const prp_plan *plan, long row, long at, long to)
     static const double none[3];
     double *memory = plan->memory + PRP_MEMORY * row, after[PRP_MEMORY + 1];
     const double ended = plan->lost[row];
+    double truncated;
     plan->clock[row] += 1.0;
-    plan->truncated[row] = plan->clock[row] >= plan->horizon;
     prp_refer_at(plan, row, at);
     prp_judge(
         plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row,
         plan->command + PRP_JOINTS * to, plan->saturated + PRP_JOINTS * row, plan->clock + row,
         plan->beyond + PRP_JOINTS * row, &ended, plan->error ? plan->error + 3 * at : none, memory,
         plan->task_numbers, plan->ground_truth + PRP_GROUND_TRUTH * to, plan->observation + PRP_OBSERVED * row,
-        plan->reward + to, plan->info + PRP_INFO * to, after);
+        plan->reward + to, plan->info + PRP_INFO * to, &truncated, after);
+    plan->truncated[row] = truncated != 0.0;
     memcpy(memory, after, sizeof(double) * PRP_MEMORY);
 }
-
-/* Whether all actions are finite. */
-int prp_actions_are_finite(const prp_plan *plan)
-{
-    return prp_finite(plan->action, PRP_JOINTS * plan->rows);
-}
-
-/* The first half of a period of all environments, and the second, where others simulate in between. */
-void prp_command(const prp_plan *plan)
-{
-    for (long row = 0; row < plan->rows; row++)
-        prp_before(plan, row, row, row);
-}
-
-void prp_score(const prp_plan *plan)
-{
-    for (long row = 0; row < plan->rows; row++)
-        prp_after(plan, row, row, row);
-}
-
-#if PRP_PHYSICS
 
 /* Add the results of the last period, the k-th from 0, to those of a step over several periods. */
 static inline void prp_add_up(const prp_plan *plan, long row, long k)
@@ -87,6 +83,48 @@ static inline void prp_add_up(const prp_plan *plan, long row, long k)
     }
 }
 
+/* Add the results of the last period to those of the episode and of a step over several periods. */
+static inline void prp_sum_up(const prp_plan *plan, long row, long k, long to)
+{
+    if (plan->total)
+        plan->total[row] += plan->reward[to];
+    if (plan->shares)
+        prp_add_up(plan, row, k);
+}
+
+/* Whether all actions are finite. */
+int prp_actions_are_finite(const prp_plan *plan)
+{
+    return prp_finite(plan->action, PRP_JOINTS * plan->rows);
+}
+
+/* The first half of the k-th period of all environments, from 0, and the second, where others simulate in
+   between. */
+void prp_command(const prp_plan *plan, long k)
+{
+    for (long row = 0; row < plan->rows; row++)
+        prp_before(plan, row, k * plan->rows + row, prp_recorded_at(plan, row, k));
+}
+
+void prp_score(const prp_plan *plan, long k)
+{
+    for (long row = 0; row < plan->rows; row++) {
+        const long to = prp_recorded_at(plan, row, k);
+        prp_after(plan, row, k * plan->rows + row, to);
+        prp_sum_up(plan, row, k, to);
+    }
+}
+
+/* Choose the actions of all environments; whether all of them are finite. */
+int prp_decide(const prp_plan *plan)
+{
+    for (long row = 0; row < plan->rows; row++)
+        prp_control(plan, row);
+    return prp_actions_are_finite(plan);
+}
+
+#if PRP_PHYSICS
+
 /* Periods of some environments, with a controller or with the actions that are given; see `PLAN` of
    period_source.py. Returns 1 if all of them are within limits at the end, 0 if one is beyond a joint stop,
    -1 if one is lost, -2 if an action was not finite.
@@ -95,36 +133,27 @@ static inline void prp_add_up(const prp_plan *plan, long row, long k)
    negative in the second case; 0 for neither. */
 int prp_run(long first, long count, const prp_plan *plan)
 {
-    double after[PRP_LARGEST_STATE];
     int inside = 1, not_finite = 0;
     for (long row = first; row < first + count; row++) {
-        double *state = plan->state + plan->state_size * row, *action = plan->action + PRP_JOINTS * row;
         int within = !plan->lost[row];
         plan->ended[row] = 0;
         if (plan->waiting && plan->waiting[row])
             continue;
         for (long k = 0; k < plan->periods && !plan->lost[row]; k++) {
-            if (plan->controller) {
-                plan->controller(
-                    plan->observation + PRP_OBSERVED * row, state, plan->input + plan->input_size * row,
-                    plan->controller_numbers + plan->numbers_size * row, action, after);
-                memcpy(state, after, sizeof(double) * plan->state_size);
-            }
-            if (!prp_finite(action, PRP_JOINTS)) {
+            if (plan->controller)
+                prp_control(plan, row);
+            if (!prp_finite(plan->action + PRP_JOINTS * row, PRP_JOINTS)) {
                 plan->ended[row] = -(k + 1);
                 not_finite = 1;
                 break;
             }
-            const long at = k * plan->rows + row, to = plan->record ? row * plan->periods + k : row;
+            const long at = k * plan->rows + row, to = prp_recorded_at(plan, row, k);
             prp_before(plan, row, at, to);
             within = prp_advance(
                 row, 1, NULL, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
                 plan->measured, plan->beyond, plan->lost);
             prp_after(plan, row, at, to);
-            if (plan->total)
-                plan->total[row] += plan->reward[to];
-            if (plan->shares)
-                prp_add_up(plan, row, k);
+            prp_sum_up(plan, row, k, to);
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }

@@ -39,7 +39,7 @@ class CompiledPeriods:
     def __init__(self, loop: Any) -> None:
         self._loop, self._source = loop, self._make_source(loop)
         self.simulates = isinstance(loop.physics, CompiledSimulation)
-        if not (self.simulates or self._source.is_exact):
+        if not (self.simulates or self._source.has_bits_of_numpy):
             raise UntraceableError("formulas whose bits depend on the machine are left to NumPy.")
         self._constant = TaskConstants(loop.task.parts)
         self._library = load_library(self._source.text)
@@ -47,7 +47,7 @@ class CompiledPeriods:
             self._library.prp_run.argtypes = (ctypes.c_long, ctypes.c_long, ctypes.c_void_p)
         config = loop.config
         plan = Plan(rows=loop.num_envs, periods=1, period=1.0 / config.control_frequency)
-        plan.horizon, self._substeps = config.horizon, config.substeps
+        self._substeps = config.substeps
         self.given = PeriodPlan(plan, {})
         self._set, self._arrays, self._address = self.given.give, self.given.arrays, self.given.address
         self._parts = loop.period_parts()
@@ -97,7 +97,7 @@ class CompiledPeriods:
             loop.window.hold(arrays["clock"], arrays["reference"])
         else:
             self._set({"sampled": arrays["reference"].copy()})
-        arrays["truncated"][:] = arrays["clock"] >= loop.config.horizon
+        arrays["truncated"][:] = self._parts.scoring.truncated(arrays["clock"])
         loop.ground_truth, loop.commanded_torque = arrays["ground_truth"], arrays["command"]
 
     def store(self) -> None:
@@ -129,26 +129,25 @@ class CompiledPeriods:
             self._prepare()
             if self._loop.physics.run(self._library.prp_run, self._substeps, self._address) == _NOT_FINITE:
                 clip_actions(action)
-        elif not self._step_mujoco():
-            self.store()
-            return None
+        else:
+            if not self._advance_mujoco(self._address, 0):
+                self.store()
+                return None
+            self._prepare()
+            self._library.prp_score(self._address, 0)
         return self.outcome(arrays["reward"], arrays["info"])
 
-    def _step_mujoco(self) -> bool:
-        """Advance by one period with MuJoCo's physics; False, before the score, if a simulation is lost."""
-        physics, library, arrays = self._loop.physics, self._library, self._arrays
-        library.prp_command(self._address)
-        physics.set_torque(arrays["torque"])
+    def _advance_mujoco(self, address: Any, k: int) -> bool:
+        """Advance MuJoCo's physics by the k-th period of a plan; whether no simulation is lost."""
+        physics, library = self._loop.physics, self._library
+        library.prp_command(address, k)
+        physics.set_torque(self._arrays["torque"])
         physics.advance(self._substeps)
         if physics.readings is not self._readings:  # at first, and in a forked process
             self._readings = physics.readings
             values = (self._arrays[name].ctypes.data for name in ("measured", "beyond"))
             self._read = ctypes.byref(self._readings), *map(ctypes.c_void_p, values)
-        if not library.prp_read(*self._read):
-            return False
-        self._prepare()
-        library.prp_score(self._address)
-        return True
+        return bool(library.prp_read(*self._read))
 
     def outcome(self, reward: Array, info: Array) -> Step:
         """The result of a step that compiled code has computed, with copies of its reward and `info`."""
@@ -174,9 +173,22 @@ class CompiledPeriods:
         saturated = self._arrays["saturated"].astype(np.bool_)
         return self._arrays["command"].copy(), saturated if saturated.any() else None
 
-    def run(self, given: PeriodPlan) -> None:
-        """Run a plan for these simulations, with their threads."""
-        self._loop.physics.run(self._library.prp_run, self._substeps, given.address)
+    def run(self, given: PeriodPlan) -> bool:
+        """Run a plan for these simulations, with their threads.
+
+        Returns:
+            False where MuJoCo's physics were not simulated to the end: an action of the controller was not
+            finite, or a simulation was lost.
+        """
+        library, address = self._library, given.address
+        if self.simulates:
+            self._loop.physics.run(library.prp_run, self._substeps, address)
+            return True
+        for k in range(given.plan.periods):
+            if not (library.prp_decide(address) and self._advance_mujoco(address, k)):
+                return False
+            library.prp_score(address, k)
+        return True
 
     def drawn_ahead(self, periods: int) -> dict[str, Array]:
         """The random numbers of the next periods, which are over then, by their names in a plan."""
@@ -194,7 +206,8 @@ class CompiledPeriods:
             observation: Observations (N, size) after the reset of all environments.
 
         Returns:
-            The episodes; None if the controller returned an action that is not finite.
+            The episodes; None if the controller returned an action that is not finite, or if a simulation of
+            MuJoCo left its bounds.
 
         Raises:
             UntraceableError: a controller whose state is too large.
@@ -206,10 +219,9 @@ class CompiledPeriods:
         self._set({"applied": record.applied, "reward": np.empty(record.info.shape[:2])})
         self._set({"ended": record.ended})
         self.given.plan.record = 1
-        self.run(self.given)
-        start = loop.ground_truth[:, None]
-        if (record.ended < 0).any():
+        if not self.run(self.given) or (record.ended < 0).any():
             return None
+        start = loop.ground_truth[:, None]
         return record._replace(ground_truth=np.concatenate([start, record.ground_truth], axis=1))
 
     def score_episodes(self, controller: Any, observation: Array) -> EpisodeTotals:

@@ -63,7 +63,7 @@ class EpisodeLoop:
         self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
         self._on_period: Callable[[Step], None] = _ignore
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
-        self._scoring = StepScoring(task, config.control_frequency)
+        self._scoring = StepScoring(task, config.control_frequency, config.horizon)
         self.info_fields = self._scoring.info_fields
         self._actuators = make_actuators(task.scenario, np.array(nominal), num_envs)
         self._sensors = make_sensors(task.scenario, task.layout, num_envs)
@@ -75,7 +75,7 @@ class EpisodeLoop:
         self._limit = np.tile(self.torque_limit, (num_envs, 1))
         bound = np.array([bound for item in task.measured_fields[:2] for bound in item.high])
         self.physics.watch(bound)
-        self._full, self._horizon = np.ones_like(self._limit), np.full(num_envs, float(config.horizon))
+        self._full = np.ones_like(self._limit)
         self._substeps = config.substeps
         self._compiled: CompiledPeriods | None = None
         self._engine_is_compiled = config.engine == COMPILED
@@ -217,7 +217,7 @@ class EpisodeLoop:
         violation = None if within_limits else self.physics.stop_violation
         errors = self.task.errors(ground_truth, command)
         reward, info = self._scoring(errors, ground_truth, saturated, elapsed, violation)
-        truncated = elapsed >= self._horizon
+        truncated = self._scoring.truncated(elapsed)
         terminated = np.zeros(self.num_envs, dtype=np.bool_) if within_limits else self._diverged()
         if not self._all_ready:
             self._scoring.zero_reward(reward, info, terminated)

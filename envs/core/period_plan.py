@@ -39,7 +39,6 @@ class Plan(ctypes.Structure):
         input_size: size of an environment's input to the controller.
         numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
         period: control period [s].
-        horizon: control periods in an episode.
         position: arrays of the simulations, to `beyond`; see `prp_advance`.
         task_numbers: numbers of the task.
         reference_numbers: numbers of each environment's reference.
@@ -73,7 +72,6 @@ class Plan(ctypes.Structure):
         *((name, ctypes.c_void_p) for name in _OTHERS),
         *((name, ctypes.c_long) for name in _COUNTS),
         ("period", ctypes.c_double),
-        ("horizon", ctypes.c_double),
         *((name, ctypes.c_void_p) for name in _ARRAYS),
     ]
 
@@ -90,7 +88,7 @@ typedef struct {{
     long *ended;
     unsigned char *truncated;
     long {", ".join(_COUNTS)};
-    double period, horizon;
+    double period;
     double {", ".join(f"*{name}" for name in _ARRAYS)};
 }} prp_plan;
 """

@@ -17,6 +17,7 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import zeros
 from prp_gym.robot.link import Link
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
+from prp_gym.symbolic.elementary_functions import has_bits_of_numpy
 from prp_gym.symbolic.function import SymbolicFunction, trace
 from prp_gym.symbolic.lifting import numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import StateRows, attributes
@@ -38,12 +39,11 @@ class PeriodSource:
         numbers: numbers of the task (P).
         rows: rows of what task and actuators keep from one period to the next.
         references: rows of the references; None where these are sampled ahead: where they cannot be traced,
-            and with MuJoCo's physics where their bits depend on the machine.
-        is_exact: whether every machine gives the bits of NumPy.
+            and with MuJoCo's physics where their bits would not be those of NumPy.
+        has_bits_of_numpy: whether the compiled functions give the bits of NumPy on this machine.
         actuate: function from actions to torques.
         judge: function from the measurement to ground truth, observation, reward and `info`.
-        text: C source with the functions `prp_command` and `prp_score`, and with `prp_run` if the physics is
-            compiled, too.
+        text: C source of compiled_period.c, with `prp_run` if the physics is compiled, too.
 
     Raises:
         UntraceableError: errors that use more than arithmetic on arrays, or keep undeclared values.
@@ -70,7 +70,7 @@ class PeriodSource:
         self.actuate, self.judge = self._traced_actuators(), self._traced_judge()
         functions = [self.actuate, self.judge, *self._traced_reference(task)]
         self._sizes["reference_numbers"] = self.references.size if self.references else 0
-        self.is_exact = all(function.is_exact for function in functions)
+        self.has_bits_of_numpy = all(map(has_bits_of_numpy, functions))
         physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}\n{READINGS}"
         self.text = self._source(physics, functions)
 
@@ -88,7 +88,7 @@ class PeriodSource:
                 return {"reference": rows.formula(row).sample(clock * period)}
 
             function = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
-            if self._sizes["physics"] or function.is_exact:
+            if self._sizes["physics"] or has_bits_of_numpy(function):
                 self.references = rows
                 return [function]
         return []
@@ -110,7 +110,7 @@ class PeriodSource:
         return trace_method("prp_actuate", actuate, self._parts, shapes, CONSTANTS, self._kind).function
 
     def _traced_judge(self) -> SymbolicFunction:
-        """From the measurement to ground present, observation, reward and `info`."""
+        """From the measurement to ground truth, observation, reward and `info`."""
         sizes = self._sizes
 
         def judge(parts: PeriodParts, memory: Any, **given: Any) -> Mapping[str, Any]:
@@ -126,7 +126,8 @@ class PeriodSource:
             observation = present[:, : sizes["observed"]].copy()
             parts.sensors.disturb(observation, given["error"])
             results = {"ground_truth": present, "observation": observation, "reward": reward, "info": info}
-            return {**results, "after": kept()}
+            over: Any = parts.scoring.truncated(given["clock"])
+            return {**results, "truncated": over.astype(np.float64), "after": kept()}
 
         joints: tuple[int, ...] = (1, sizes["joints"])
         shapes: dict[str, tuple[int, ...]] = {

@@ -24,12 +24,13 @@ class StepScoring:
     Args:
         task: Task that declares the reward terms and the fields.
         frequency: Control frequency [Hz].
+        horizon: Control periods in an episode.
 
     Attributes:
         info_fields: Columns of `info`.
     """
 
-    def __init__(self, task: Task, frequency: float) -> None:
+    def __init__(self, task: Task, frequency: float, horizon: int) -> None:
         self._reward = Reward(task.numbers.reward)
         terms = [
             InfoField(f"reward_{term.name}", "1", f"reward from {term.name}", AVERAGED)
@@ -39,7 +40,7 @@ class StepScoring:
         self._force = task.layout.slices.get("contact_force", slice(0))
         self.info_fields = (*terms, *COMMON_INFO, *(CONTACT_INFO if self._has_contact else ()))
         bound = float(task.numbers.constants.get("force_bound", np.inf))
-        self._force_bound, self._frequency = bound, frequency
+        self._force_bound, self._frequency, self._horizon = bound, frequency, float(horizon)
         self._terms = np.s_[:, : len(terms)]
         names = [field.name for field in self.info_fields]
         self._column = {name: np.s_[:, index] for index, name in enumerate(names)}
@@ -78,6 +79,11 @@ class StepScoring:
             info[self._column["contact_force"]] = magnitude
             info[self._column["cost_force_bound"]] = (magnitude > self._force_bound).astype(np.float64)
         return total(contributions), info
+
+    def truncated(self, elapsed: Array) -> NDArray[np.bool_]:
+        """Whether the duration of each episode is over (N), after so many control periods (N)."""
+        over: NDArray[np.bool_] = elapsed >= self._horizon
+        return over
 
     def at_start(self, ground_truth: Array) -> Array:
         """The `info` (N, fields) at the start of an episode: the contact force there; all else is zero."""

@@ -12,6 +12,7 @@ from prp_gym.evaluation.compiled_controller import CompiledController
 from prp_gym.evaluation.recorder import Recorder
 from prp_gym.evaluation.rollout import Policy, Rollout
 from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.compiler import compiles_by_default
 from prp_gym.tasks.setup import COMPILED
 
 _TIMED = 16  # actions on which the compute time of a policy is measured
@@ -23,7 +24,8 @@ def runs_compiled(policy: Any, inner: Any) -> bool:
     if not own or not getattr(policy, "batched", False):
         return False
     fits = policy.interface.torque_limit.shape == inner.action_space.shape
-    return bool(fits and inner.config.engine == COMPILED and inner.action_mode == "torque")
+    compiles = inner.config.engine == COMPILED or compiles_by_default()
+    return bool(fits and compiles and inner.action_mode == "torque")
 
 
 def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Rollout] | None:
@@ -31,7 +33,8 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
 
     Returns:
         the episodes; None where the policy or the environment is not one that compiled code can run, where
-        there is no compiler for it, or where an action was not finite.
+        there is no compiler for it, where an action was not finite, and with MuJoCo's physics also where the
+        bits would differ from those of NumPy, or a simulation left its bounds.
     """
     if not runs_compiled(policy, inner):
         return None
@@ -39,6 +42,8 @@ def record_compiled(policy: Policy, inner: Any, seeds: Sequence[int]) -> list[Ro
     recorder = Recorder(inner, loop)
     try:
         controller = CompiledController(policy, observation)
+        if inner.config.engine != COMPILED and not controller.has_bits_of_numpy:
+            return None
         record = loop.run_episodes(controller, observation)
     except (UntraceableError, CompilerError):
         return None

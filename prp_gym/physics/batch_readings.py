@@ -48,16 +48,15 @@ class BatchReadings(ctypes.Structure):
     ]
 
     @classmethod
-    def of(cls, arrays: Mapping[str, NDArray[Any]], first_stop: int, no_warning: int) -> Self:
+    def of(cls, arrays: Mapping[str, NDArray[Any]], **numbers: int) -> Self:
         """Make the structure for arrays by name, which it keeps.
 
         Args:
             arrays: Arrays `sensors`, `gain`, `offset` and `bound`, contiguous, and `warnings`.
-            first_stop: See the attribute.
-            no_warning: See the attribute.
+            numbers: The attributes `joints`, `first_stop` and `no_warning`.
         """
         warnings = arrays["warnings"]
-        made = cls(no_warning=no_warning, first_stop=first_stop)
+        made = cls(**numbers)
         made.arrays = dict(arrays)
         for name, values in arrays.items():
             setattr(made, name, values.ctypes.data)

@@ -109,7 +109,8 @@ class BatchSimulation(Simulation):
         arrays = {"sensors": self._sensors, "gain": self._gain, "offset": self._offset}
         arrays |= {"bound": self._threshold, "warnings": self._warnings}
         stop = -1 if layout.stop_violation == NO_COLUMNS else layout.stop_violation.start
-        self.readings = BatchReadings.of(arrays, stop, _NO_WARNING)
+        numbers = {"joints": self.joint_count, "first_stop": stop, "no_warning": _NO_WARNING}
+        self.readings = BatchReadings.of(arrays, **numbers)
 
     def _view_of(self, columns: slice, width: int) -> Array:
         """View of the sensors' columns, or zeros if the world has no such sensors."""

@@ -9,6 +9,7 @@ import numpy as np
 from prp_gym.symbolic.array import SymbolicArray, untraceable
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
 from prp_gym.symbolic.compiler import load_library
+from prp_gym.symbolic.elementary_functions import has_bits_of_numpy
 from prp_gym.symbolic.function import SymbolicFunction
 from prp_gym.symbolic.lifting import Formula, LiftedFunction, numbers_of, trace_method
 from prp_gym.symbolic.state_arrays import attributes, require_same
@@ -49,9 +50,15 @@ class CompiledMethod:
         self.numbers = numbers_of(target, constants)
         traced = trace_method(name, formula, target, shapes, constants, kind, decide=self.decides_branches)
         functions = self._functions(traced)
+        self._formula = traced.function
         texts = [c_function(function, linkage="") for function in functions]
         self._library = load_library("\n".join([PREAMBLE, *texts]))
         self.function = ctypes.cast(self._library[functions[0].name], ctypes.c_void_p)
+
+    @property
+    def has_bits_of_numpy(self) -> bool:
+        """Whether the compiled function gives the bits of the formula in NumPy, on this machine."""
+        return has_bits_of_numpy(self._formula)
 
     def _functions(self, traced: LiftedFunction) -> tuple[SymbolicFunction, ...]:
         """The functions that are compiled, that of the formula first."""

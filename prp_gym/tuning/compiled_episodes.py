@@ -12,6 +12,7 @@ from prp_gym.evaluation.compiled_batch import begin, runs_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController, CompiledControllers
 from prp_gym.evaluation.rollout import Policy
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.setup import COMPILED
 
 MakeLoop = Callable[[int], Any]
 
@@ -48,7 +49,7 @@ def run_compiled(
         where one of its actions was not finite.
     """
     fitting = [index for index, policy in enumerate(policies) if runs_compiled(policy, inner)]
-    if not fitting:
+    if not fitting or inner.config.engine != COMPILED:
         return {}
     _, _, observation = begin(make_loop, seeds)
     groups: dict[int, dict[int, CompiledController]] = {}
