@@ -7,7 +7,7 @@ import numpy as np
 
 from prp_gym.errors import InvalidValueError
 from prp_gym.physics.abstract_simulation import ArmSimulation
-from prp_gym.physics.compiled_arm_source import arm_source
+from prp_gym.physics.compiled_arm_source import TURNS_SIZE, arm_source
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.physics.derivatives_source import arm_derivatives_source
 from prp_gym.physics.mjcf import PhysicsSettings
@@ -46,6 +46,8 @@ class CompiledArm(CompiledSimulation, ArmSimulation):
         size = MEASUREMENT_SIZE + (3 if self.settings.surface else 0)
         super().__init__(arm_source(self.settings.timestep), size, num_simulations, num_threads)
         self.world.stops, self.world.surface = self.settings.joint_stops, self.settings.surface
+        self._turns = np.zeros((num_simulations, TURNS_SIZE))
+        self.world.turns = self._turns.ctypes.data
         self._plants, self._surfaces = Plants(num_simulations, self._library), Surfaces(num_simulations)
         self._begin(self._plants.rows, self._surfaces.rows)
 

@@ -59,8 +59,10 @@ static inline void prp_find(
     const prp_world *world, const double *q, const double *v, const double *tau, const double *plant,
     const double *surface, prp_minimum *m)
 {
-    prp_unconstrained(q, v, tau, plant, m->B, m->total);
-    prp_collect(world, q, v, plant, surface, &m->c);
+    double turns[2 * PRP_TURN] = {0.0};
+    prp_turn(q[0], turns), prp_turn(q[2], turns + PRP_TURN);
+    prp_unconstrained(q, v, tau, plant, turns, m->B, m->total);
+    prp_collect(world, q, v, plant, surface, turns, &m->c);
     if (m->c.count == 0)
         return;
     prp_solve3(m->B, m->total, m->a);

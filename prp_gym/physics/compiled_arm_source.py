@@ -13,8 +13,12 @@ from prp_gym.robot.arm import PRPArm
 from prp_gym.robot.arrays import Array, apply, solve_symmetric
 from prp_gym.robot.dynamics import BaseParameters
 from prp_gym.robot.parameters import NOMINAL
+from prp_gym.symbolic.array import SymbolicArray
 from prp_gym.symbolic.c_source import PREAMBLE, c_function
 from prp_gym.symbolic.function import SymbolicFunction, trace
+from prp_gym.symbolic.graph import Graph, Node
+from prp_gym.symbolic.operations import COSINE, SINE
+from prp_gym.symbolic.rewriting import rewritten
 
 _HAND_WRITTEN = ("compiled_world.h", "constraint_solver.c", "compiled_arm.c")
 
@@ -39,6 +43,11 @@ SURFACE = {
 """Columns of a surface, see `SurfaceRows`."""
 
 SURFACE_SIZE = 11
+
+_TURNS = ("", "sin(q[0])", "cos(q[0])", "", "sin(q[2])", "cos(q[2])")
+
+TURNS_SIZE = len(_TURNS)
+"""Columns of the angles of the first and the third joint, each with its sine and its cosine."""
 
 _SIZES = (
     f"#define PRP_PLANT {PLANT_SIZE}\n#define PRP_SURFACE {SURFACE_SIZE}\n"
@@ -65,7 +74,7 @@ def closed_form(plant: Array, timestep: float) -> ClosedForm:
 @cache
 def arm_source(timestep: float) -> str:
     """The C source of simulations with a duration of steps [s]."""
-    functions = [c_function(function) for function in arm_functions(timestep).values()]
+    functions = [c_function(_with_turns(function)) for function in arm_functions(timestep).values()]
     texts = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
     return "\n".join([PREAMBLE, _SIZES, solver_functions(), *functions, *texts])
 
@@ -80,6 +89,24 @@ def arm_functions(timestep: float) -> Mapping[str, SymbolicFunction]:
     return {
         name: trace(f"prp_{name}", formula, shapes) for name, (formula, shapes) in _formulas(timestep).items()
     }
+
+
+def _with_turns(function: SymbolicFunction) -> SymbolicFunction:
+    """The function with another argument instead of the sines and cosines of joints, if it has any."""
+    used = []
+
+    def replace(graph: Graph, node: Node, arguments: tuple[Node, ...]) -> Node | None:
+        if node.operation not in (SINE, COSINE):
+            return None
+        used.append(f"{node.operation.name}({arguments[0].name})")
+        return graph.input(f"turns[{_TURNS.index(used[-1])}]")
+
+    new = rewritten(function, function.name, replace)
+    if not used:
+        return function
+    graph = next(iter(new.inputs.values())).graph
+    turns = SymbolicArray.inputs(graph, "turns", (TURNS_SIZE,))
+    return SymbolicFunction(function.name, {**new.inputs, "turns": turns}, new.outputs)
 
 
 def solver_functions() -> str:

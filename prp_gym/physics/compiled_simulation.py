@@ -34,6 +34,7 @@ class CompiledWorld(ctypes.Structure):
         surface: whether there is a surface.
         substeps: number of steps of a call.
         bound: bounds of the magnitudes of joint positions, then of joint velocities.
+        turns: kept angles with their sines and cosines, a row for each simulation; null where none are kept.
     """
 
     _fields_: ClassVar = [
@@ -42,6 +43,7 @@ class CompiledWorld(ctypes.Structure):
         ("surface", ctypes.c_int),
         ("substeps", ctypes.c_int),
         ("bound", ctypes.c_double * 6),
+        ("turns", ctypes.c_void_p),
     ]
 
 
