@@ -1,52 +1,39 @@
 """`make bench-engines`: the compiled engine compared with MuJoCo and with Reacher-v5.
 
 Every program runs in a process of its own, in turn with the others, and is timed by the processor time that
-the process takes, so that other programs of the machine disturb the ratios little.
+the process takes, so that other programs of the machine disturb the ratios little. The table stands on
+docs/performance.md; the results are stored beside this file.
 """
 
 import json
-import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Annotated, Any
 
-import gymnasium
 import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 
+from bench import machine
+from bench.cores import count_cores
+from bench.engine_programs import FORCE, SIZE, Program, measure, surroundings
 from bench.rounds import CONTACT, FREE, REACHER
-from bench.single import bare_loop, random_actions
-from prp_gym.baselines import CONTROLLERS, list_baselines, make_baseline
-from prp_gym.evaluation import evaluate
-from prp_gym.gradients.score_gradient import score_gradient
+from prp_gym.artifacts import write_file, write_json
 from prp_gym.tasks.setup import COMPILED, MUJOCO
-from prp_gym.tuning.episodes import Episodes
 
-FORCE = "PRP-Force-v0"
-_SIZE = 1024
-_ROUNDS, _SECONDS = 5, 1.0
+STORED = Path(__file__).with_name("engines.json")
+"""The results that the page shows."""
 
+HEADING = "## The compiled engine\n"
+"""Start of the section of the page, which goes on to its end."""
 
-@dataclass(frozen=True)
-class Program:
-    """What a process measures.
-
-    Attributes:
-        kind: `single`, `vector`, `bare`, `evaluate`, `held`, `gradient` or `scores`.
-        environment: environment id.
-        engine: engine of the environment; empty for one of another suite.
-        scenario: scenario; empty for an environment of another suite.
-    """
-
-    kind: str
-    environment: str
-    engine: str = MUJOCO
-    scenario: str = "randomized"
+_PAGE = Path("docs/performance.md")
+_SECTION = Path(__file__).with_name("engines.md")
+_ROUNDS, _SECONDS = 3, 1.0
 
 
 @dataclass(frozen=True)
@@ -68,193 +55,114 @@ class Comparison:
 
 def comparisons() -> Iterator[Comparison]:
     """All comparisons, in the order of the table."""
-    reacher = Program("single", REACHER, "", "")
-    yield Comparison("step, N = 1, MuJoCo, against Reacher-v5", Program("single", FREE), reacher, 2.5)
-    yield Comparison("step, N = 1, against Reacher-v5", Program("single", FREE, COMPILED), reacher, 8.0)
-    for environment in (FREE, CONTACT, FORCE):
-        one, other = (Program("vector", environment, engine) for engine in (COMPILED, MUJOCO))
-        yield Comparison(f"step, N = {_SIZE}", one, other, 15.0)
-        bare = Program("bare", environment)
-        yield Comparison(f"step, N = {_SIZE}, against bare mj_step", one, bare, 10.0)
+    yield from _single()
+    yield from _vector()
     for scenario in ("randomized", "realistic"):
         for environment in (FREE, CONTACT, FORCE):
-            one, other = (Program("evaluate", environment, engine, scenario) for engine in (COMPILED, MUJOCO))
-            yield Comparison("episodes of all traced controllers, with metrics", one, other, 15.0)
+            today = Program("evaluate", environment, MUJOCO, scenario, with_numpy=True)
+            what = "episodes of all traced controllers with all metrics, against MuJoCo and NumPy"
+            yield Comparison(what, Program("evaluate", environment, COMPILED, scenario), today, 15.0)
+            what = "the same with MuJoCo's physics, against MuJoCo and NumPy"
+            yield Comparison(what, Program("evaluate", environment, MUJOCO, scenario), today, 2.0)
     for environment, goal in ((FREE, 1.0), (CONTACT, 4.0), (FORCE, 4.0)):
         one, other = (Program("held", environment, engine) for engine in (COMPILED, MUJOCO))
-        yield Comparison("step of the action mode that ships, N = 8", one, other, goal)
-    for environment in _CONTROLLERS:
+        yield Comparison("step of an action mode, N = 8, 20 Hz, against MuJoCo", one, other, goal)
+    for environment in (FREE, CONTACT, FORCE):
         one, other = (Program(kind, environment, COMPILED) for kind in ("gradient", "scores"))
-        yield Comparison("derivatives by all settings, against scores", one, other, 1.0 / 15.0)
+        what = "scores of 500 periods with their derivatives by all settings, against scores alone"
+        yield Comparison(what, one, other, 1.0 / 15.0)
 
 
-def _keywords(program: Program) -> dict[str, Any]:
-    return {"scenario": program.scenario, "engine": program.engine} if program.engine else {}
+def _single() -> Iterator[Comparison]:
+    """One environment beside Reacher-v5."""
+    for without_clock, how, goal in ((False, "as shipped", 2.5), (True, "clock off for both", 2.0)):
+        reacher = Program("single", REACHER, "", "", without_clock)
+        what = f"step, N = 1, MuJoCo's physics, against Reacher-v5, {how}"
+        yield Comparison(what, Program("single", FREE), reacher, goal)
+    reacher = Program("single", REACHER, "", "")
+    yield Comparison("step, N = 1, against Reacher-v5", Program("single", FREE, COMPILED), reacher, 8.0)
+    for environment in (FREE, CONTACT, FORCE):
+        one, other = Program("reset", environment), Program("reset", REACHER, "", "")
+        yield Comparison("reset, N = 1, MuJoCo's physics, against Reacher-v5", one, other, 0.0)
 
 
-def _single(program: Program) -> Callable[[], float]:
-    """Steps of one environment, with resets."""
-    env = gymnasium.make(program.environment, **_keywords(program))
-    actions = random_actions(1, (env.action_space.shape or ())[0])[:, 0]
-    env.reset(seed=0)
-
-    def chunk() -> float:
-        for action in actions:
-            _, _, terminated, truncated, _ = env.step(action)
-            if terminated or truncated:
-                env.reset()
-        return len(actions)
-
-    return chunk
-
-
-def _vector(program: Program, size: int = _SIZE, **more: Any) -> Callable[[], float]:
-    """Steps of N environments."""
-    env = gymnasium.make_vec(program.environment, num_envs=size, num_threads=1, **_keywords(program), **more)
-    actions = list(random_actions(size, (env.single_action_space.shape or ())[0]))[:8]
-    env.reset(seed=0)
-
-    def chunk() -> float:
-        for action in actions:
-            env.step(action)
-        return len(actions) * size
-
-    return chunk
-
-
-_HELD_MODE = {FREE: "joint_inverse_dynamics", CONTACT: "admittance", FORCE: "variable_force_position"}
-
-
-def _held(program: Program) -> Callable[[], float]:
-    """Steps of an action mode at 20 Hz, N = 8."""
-    mode = _HELD_MODE[program.environment]
-    return _vector(program, 8, action_mode=mode, control_frequency=20.0)
-
-
-_CONTROLLERS = {FREE: "joint_inverse_dynamics", CONTACT: "impedance", FORCE: "force_inner_position"}
-_SEEDS = range(64)  # of episodes of 500 periods
-
-
-def _short(program: Program) -> tuple[Any, Any]:
-    """An environment with episodes of 1 s, and a controller for it."""
-    env = gymnasium.make(program.environment, duration=1.0, **_keywords(program))
-    return env, make_baseline(_CONTROLLERS[program.environment], env)
-
-
-def _gradient(program: Program) -> Callable[[], float]:
-    """Episodes with the derivatives of their scores by all settings of a controller."""
-    env, controller = _short(program)
-
-    def chunk() -> float:
-        return len(score_gradient(env, controller, _SEEDS).scores)
-
-    return chunk
-
-
-def _scores(program: Program) -> Callable[[], float]:
-    """The same episodes without derivatives."""
-    env, controller = _short(program)
-    episodes = Episodes(env, _SEEDS)
-
-    def chunk() -> float:
-        return len(episodes.run(controller).scores)
-
-    return chunk
-
-
-def _bare(program: Program) -> Callable[[], float]:
-    """Bare `mj_step` calls on the same models."""
-    return bare_loop(gymnasium.make(program.environment, scenario=program.scenario))
-
-
-def _evaluate(program: Program) -> Callable[[], float]:
-    """Episodes of all controllers of a task that can be traced, with all metrics."""
-    env = gymnasium.make(program.environment, **_keywords(program))
-    layout = env.get_wrapper_attr("observation_layout")
-    names = [name for name in list_baselines(layout) if CONTROLLERS.find(name).policy.compiled]
-    policies = [make_baseline(name, env) for name in names]
-
-    def chunk() -> float:
-        for policy in policies:
-            if not evaluate(policy, env, 20, seed=0).metrics:
-                raise AssertionError
-        return 20 * len(policies)
-
-    return chunk
-
-
-_KINDS = {
-    "single": _single,
-    "vector": _vector,
-    "held": _held,
-    "bare": _bare,
-    "evaluate": _evaluate,
-    "gradient": _gradient,
-    "scores": _scores,
-}
-
-
-def measure(program: Program, seconds: float) -> float:
-    """Rate of a program per second of processor time, in this process."""
-    chunk = _KINDS[program.kind](program)
-    if program.kind != "evaluate" or program.engine == COMPILED:
-        chunk()
-    done, start = 0.0, time.process_time()
-    while (elapsed := time.process_time() - start) < seconds:
-        done += chunk()
-    return done / elapsed
+def _vector() -> Iterator[Comparison]:
+    """Many environments beside MuJoCo's."""
+    for environment in (FREE, CONTACT, FORCE):
+        one, other = (Program("vector", environment, engine) for engine in (COMPILED, MUJOCO))
+        yield Comparison(f"step, N = {SIZE}, against MuJoCo, one thread", one, other, 15.0)
+    for all_cores, where in ((False, "on one core"), (True, "on all cores")):
+        for environment in (FREE, CONTACT, FORCE):
+            one = Program("vector", environment, COMPILED, all_cores=all_cores)
+            bare = Program("bare", environment, all_cores=all_cores)
+            yield Comparison(f"step, N = {SIZE}, against bare mj_step {where}", one, bare, 10.0)
 
 
 def _measured(program: Program, seconds: float) -> float:
-    """Rate of a program in a process of its own."""
+    """Rate of a program in a process of its own; bare loops on all cores in one for each core."""
     command = [sys.executable, "-m", "bench.engines", "--child", json.dumps(asdict(program))]
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(
-        [*command, "--seconds", str(seconds)], check=True, capture_output=True, text=True, env=environment
-    )
-    return float(done.stdout.splitlines()[-1])
+    count = count_cores() if program.all_cores and program.kind == "bare" else 1
+    processes = [
+        subprocess.Popen(
+            [*command, "--seconds", str(seconds)],
+            stdout=subprocess.PIPE,
+            text=True,
+            env=surroundings(program),
+        )
+        for _ in range(count)
+    ]
+    outputs = [process.communicate()[0] for process in processes]
+    for process in processes:
+        if process.returncode:
+            raise subprocess.CalledProcessError(process.returncode, process.args)
+    return sum(float(output.splitlines()[-1]) for output in outputs)
 
 
-def table(rows: Sequence[dict[str, Any]]) -> Table:
-    """The ratios of the rounds."""
-    made = Table(title="rates per second of processor time", title_justify="left")
-    for header in (
-        "what",
-        "environment",
-        "scenario",
-        "rate",
-        "reference",
-        "ratio",
-        "range",
-        "goal",
-        "result",
-    ):
-        made.add_column(header)
-    for row in rows:
-        made.add_row(*(str(row[name]) for name in row))
-    return made
-
-
-def row_of(comparison: Comparison, rates: dict[Program, list[float]]) -> dict[str, Any]:
-    """One row of the table."""
+def row_of(comparison: Comparison, rates: Mapping[Program, Sequence[float]]) -> dict[str, Any]:
+    """One row of the results."""
     one, other = np.array(rates[comparison.program]), np.array(rates[comparison.reference])
     ratio = one / other
-    reached = float(np.median(ratio))
     return {
         "what": comparison.what,
         "environment": comparison.program.environment,
         "scenario": comparison.program.scenario,
-        "rate": f"{np.median(one):,.0f}",
-        "reference": f"{np.median(other):,.0f}",
-        "ratio": _short_number(reached),
-        "range": f"{_short_number(ratio.min())} to {_short_number(ratio.max())}",
-        "goal": f"at least {comparison.goal:.2g}",
-        "result": "met" if reached >= comparison.goal else "missed",
+        "rate": float(np.median(one)),
+        "reference": float(np.median(other)),
+        "ratio": float(np.median(ratio)),
+        "lowest": float(ratio.min()),
+        "highest": float(ratio.max()),
+        "goal": comparison.goal,
     }
 
 
-def _short_number(ratio: float) -> str:
+_HEADERS = ("comparison", "environment", "scenario", "ratio", "range", "goal", "result")
+
+
+def cells(row: Mapping[str, Any]) -> tuple[str, ...]:
+    """One row of the table."""
+    ratio, goal = row["ratio"], row["goal"]
+    result = ("met" if ratio >= goal else "missed") if goal else "-"
+    spread = f"{_short(row['lowest'])} to {_short(row['highest'])}"
+    aim = f"at least {goal:.2g}" if goal else "-"
+    return row["what"], row["environment"], row["scenario"], _short(ratio), spread, aim, result
+
+
+def _short(ratio: float) -> str:
     return f"{ratio:.1f}" if ratio >= 1.0 else f"{ratio:.2f}"
+
+
+def section(results: Mapping[str, Any]) -> str:
+    """The section of the page."""
+    lines = ["| " + " | ".join(_HEADERS) + " |", "| --- | --- | --- | ---: | ---: | ---: | ---: |"]
+    lines += ["| " + " | ".join(cells(row)) + " |" for row in results["rows"]]
+    text = _SECTION.read_text(encoding="utf-8")
+    return HEADING + text.replace("{table}", "\n".join(lines)).replace("{rounds}", str(results["rounds"]))
+
+
+def write_section(results: Mapping[str, Any], page: Path) -> None:
+    """Replace the section of the page, which is its last."""
+    before = page.read_text(encoding="utf-8").split(HEADING)[0]
+    write_file(page, (before + section(results)).encode())
 
 
 app = typer.Typer(add_completion=False)
@@ -263,11 +171,11 @@ app = typer.Typer(add_completion=False)
 @app.command()
 def main(
     rounds: Annotated[int, typer.Option(min=1, help="Rounds, in which every program runs once.")] = _ROUNDS,
-    seconds: Annotated[float, typer.Option(help="Processor time of a program in a round [s].")] = _SECONDS,
+    seconds: Annotated[float, typer.Option(help="Time of a program in a round [s].")] = _SECONDS,
     only: Annotated[str, typer.Option(help="Kind of programs to measure; empty for all.")] = "",
     child: Annotated[str, typer.Option(hidden=True)] = "",
 ) -> None:
-    """Compare the engines, and print a table."""
+    """Compare the engines, print a table, and show it on docs/performance.md if nothing is left out."""
     if child:
         print(measure(Program(**json.loads(child)), seconds))
         return
@@ -277,8 +185,15 @@ def main(
     for _ in range(rounds):
         for program in programs:
             rates[program].append(_measured(program, seconds))
-    rows = [row_of(one, rates) for one in chosen]
-    Console(width=170).print(table(rows))
+    results = {"rounds": rounds, **machine.describe("python -m bench.engines")}
+    results["rows"] = [row_of(one, rates) for one in chosen]
+    table = Table(*_HEADERS, title="ratios of rates", title_justify="left")
+    for row in results["rows"]:
+        table.add_row(*cells(row))
+    Console(width=190).print(table)
+    if not only:
+        write_json(STORED, results)
+        write_section(results, _PAGE)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ static inline void prp_refer_at(const prp_plan *plan, long row, long at)
     else
         prp_refer(
             plan->clock + row, &plan->period, plan->reference_numbers + PRP_REFERENCE_NUMBERS * row, reference);
+    for (int i = 0; i < PRP_REFERENCE; i++)
+        reference[i] += 0.0; /* no negative zeros, see `Task.reference` */
 #endif
 }
 

@@ -178,8 +178,7 @@ class ModeLoop(EpisodeLoop):
             return after._replace(reward=before.reward + after.reward, info=info)
         rows = waiting[:, None]
         self._observation = np.where(rows, before.observation, after.observation)
-        self.ground_truth = np.where(rows, kept[0], self.ground_truth)
-        self.commanded_torque = np.where(rows, kept[1], self.commanded_torque)
+        self.ground_truth[waiting], self.commanded_torque[waiting] = kept[0][waiting], kept[1][waiting]
         self.physics.set_torque(np.where(rows, kept[2], self.physics.torque))
         return Step(
             self._observation,

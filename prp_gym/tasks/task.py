@@ -103,8 +103,9 @@ class Task:
         self.parts.errors.begin(ids, start)
 
     def reference(self, time: Array, ids: NDArray[np.intp] | None = None) -> Array:
-        """See `Reference.sample`."""
-        return self.parts.reference.sample(time, ids)
+        """See `Reference.sample`; zeros are positive, so that compiled code has the same bits."""
+        values: Array = self.parts.reference.sample(time, ids) + 0.0
+        return values
 
     def advance(self, ground_truth: Array) -> None:
         """See `ErrorFunction.advance`."""

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from gymnasium.wrappers import RescaleAction, TimeLimit
@@ -181,7 +180,6 @@ class HalfTorque(PRPEnv):
 
 BOUND = np.full(3, 2.0, dtype=np.float32)
 ORDINARY: dict[str, Callable[[], Any]] = {
-    "mujoco": lambda: gymnasium.make(TRACKING, scenario="realistic", duration=BRIEF),
     "action_mode": lambda: made(TRACKING, duration=BRIEF, action_mode="joint_position"),
     "time_limit": lambda: TimeLimit(made(TRACKING, duration=BRIEF), 10),
     "rescaled_action": lambda: RescaleAction(made(TRACKING, duration=BRIEF), -BOUND, BOUND),
