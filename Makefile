@@ -15,7 +15,7 @@ COMPILE := $(BIN)/python -m compileall -qq -j 0 $(VENV)/lib || true
 
 # `source .venv/bin/activate` puts the prp-gym and python of this environment on the path.
 .PHONY: install evaluate reproduce test test-lowest mutants mutants-reproduce fuzz kills clients lint type bench \
-        peers docs frames bench-engines wheel tune train compare audit learn-check first-ten-minutes clean
+        peers docs frames bench-engines bench-agreement wheel tune train compare audit learn-check first-ten-minutes clean
 
 install: $(VENV)/.core
 
@@ -61,6 +61,9 @@ bench: $(VENV)/.dev peers
 
 bench-engines: $(VENV)/.dev
 	$(BIN)/python -m bench.engines
+
+bench-agreement: $(VENV)/.dev
+	$(BIN)/python -m bench.agreement
 
 # The compiled code of the wheel is for machines like this one, with or without a compiler.
 wheel: $(VENV)/.dev

@@ -72,7 +72,8 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
     Each period the last plan is shifted and improved by two iterations of iterative LQR: exact derivatives
     of the model, a Riccati recursion whose torques are minimised within their limits, a forward pass that
     follows them, and a search along it, which takes no step that increases the cost. Where limits become
-    active along a step, the iteration may keep the plan as it is. The disturbance torque d̂ = d̂ + λ B (q̇ -
+    active along a step, the iteration may keep the plan as it is. A plan along which the model diverges, as
+    from speeds that the actuators cannot brake, is given up for τ_d. The disturbance torque d̂ = d̂ + λ B (q̇ -
     q̇_expected) is what the model lacks; it is held while a limit is active.
 
     Near a constant goal, with the exact model and no limit active, the loop is that of the linear-quadratic
@@ -117,7 +118,9 @@ class ModelPredictiveController(Baseline[ModelPredictiveSettings]):
         torque = found.torque[:, 0] - disturbance
         is_limited = np.abs(torque) >= LIMITED * self.interface.torque_limit
         kept = np.where(is_limited.any(axis=-1, keepdims=True), before, disturbance)
-        after = (found.torque - problem.effort).reshape(len(kept), -1), kept, found.expected[:, joints:]
+        planned = (found.torque - problem.effort).reshape(len(kept), -1)
+        follows = np.isfinite(planned).all(axis=-1, keepdims=True)
+        after = np.where(follows, planned, 0.0), kept, found.expected[:, joints:]
         return torque.reshape(*lead, joints), tuple(part.reshape(*lead, part.shape[-1]) for part in after)
 
     def _estimated(self, observed: Observed, disturbance: Array, expected: Array) -> Array:

@@ -1,6 +1,7 @@
 """`improve`: one iteration of iterative LQR for plans of any leading dimensions."""
 
 import ctypes
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -18,7 +19,7 @@ from prp_gym.baselines.predictive.formulas import (
     source_of,
 )
 from prp_gym.baselines.predictive.knots import Knot
-from prp_gym.errors import CompilerError
+from prp_gym.errors import CompilerError, InvalidValueError, NonFiniteError
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default, load_library
 
@@ -122,6 +123,7 @@ class _Plan(NamedTuple):
     cost: Array
 
 
+@np.errstate(all="ignore")
 def improve_with_numpy(model: Model, problem: Problem, torque: Array) -> Improved:
     """`improve` with NumPy alone."""
     count, size = problem.state.shape
@@ -168,7 +170,7 @@ def _forward(
     model: Model, knots: list[dict[str, Any]], old: _Plan, step: list[tuple[Array, Array]], share: float
 ) -> _Plan:
     """The forward pass: a new plan from an old one and a share of a step."""
-    motion, states, torques = Motion(model), [old.state[0]], []
+    states, torques = [old.state[0]], []
     total = np.zeros((len(old.state[0]), 1))
     for k, knot in enumerate(knots):
         change, gain = step[k]
@@ -181,11 +183,20 @@ def _forward(
             knot["low"],
             knot["high"],
         )["followed"]
-        later = motion(**_halves(states[k]), torque=torque, duration=knot["duration"])
+        later = _moved(model, {**_halves(states[k]), "torque": torque}, knot["duration"])
         states.append(np.concatenate([later["later"], later["faster"]], axis=-1))
         total = total + cost(**_halves(states[-1]), torque=torque, **_taken(knot, *_COST))["cost"]
         torques.append(torque)
     return _Plan(np.array(torques), np.array(states), total)
+
+
+def _moved(model: Model, state: dict[str, Any], duration: Array) -> Mapping[str, Any]:
+    """The state at the end of an interval; where a plan diverges, by the graph, which refuses no number."""
+    try:
+        return Motion(model)(**state, duration=duration)
+    except (InvalidValueError, NonFiniteError):
+        durations = np.broadcast_to(duration, (len(state["torque"]), 1))
+        return functions_of(model).motion.evaluate_rows({**state, "duration": durations})
 
 
 def _improving_step(model: Model, knots: list[dict[str, Any]], plan: _Plan) -> list[tuple[Array, Array]]:

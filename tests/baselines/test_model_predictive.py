@@ -210,6 +210,26 @@ def test_plan_is_improved_by_each_iteration_of_a_period(monkeypatch: pytest.Monk
     np.testing.assert_array_equal(state[0], costs[-1].torque.reshape(KNOTS))  # τ_d is zero without weight
 
 
+@pytest.mark.parametrize("alone", [False, True])
+def test_plan_that_diverges_is_given_up(alone: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An arm without joint stops reaches speeds that the actuators cannot brake."""
+    if alone:
+        monkeypatch.setattr(iteration, "compiles_by_default", lambda: False)
+    controller, size = arm(), INTERFACE.layout.size
+    observation = np.zeros((5, size))
+    where, speed = (INTERFACE.layout.index(name) for name in ("joint_position", "joint_velocity"))
+    observation[:, where] = [-2.4, -0.8, 4.2]
+    observation[:, speed] = np.outer([0.0, 1e2, 1e3, 1e4, 1e6], [-0.16, -0.23, 1.0])
+    state = None
+    for _ in range(3):  # each checks the state that it is given
+        action, state = controller.predict(observation, state)
+    assert state is not None
+    plans = state[0]
+    assert np.isfinite(action).all()
+    assert plans[0].any()
+    assert not plans[-1].any()
+
+
 def test_optimisation_is_not_traced_into_compiled_episodes() -> None:
     with pytest.raises(UntraceableError, match="the optimisation of a plan"):
         CompiledController(arm(), np.zeros((2, INTERFACE.layout.size)))

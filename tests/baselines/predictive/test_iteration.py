@@ -140,6 +140,18 @@ def test_compiled_code_and_numpy_have_the_same_bits(model: PRPArm | Link) -> Non
         plan = compiled.torque
 
 
+@needs_compiler
+def test_diverging_plans_have_the_same_bits_in_numpy() -> None:
+    """From some of these speeds the model overflows along the plan."""
+    problem, plan = random_problem(ARM, 8), random_plan(ARM, 8)
+    speeds = np.array([1e2, 1e3, 1e4, 1e5, 1e6, 1e8, 1e12, 1e17])[:, None] * [-0.1, -0.2, 1.0]
+    problem = replace(problem, state=np.concatenate([problem.state[:, :3], speeds], axis=-1))
+    compiled, found = improve_compiled(ARM, problem, plan), improve_with_numpy(ARM, problem, plan)
+    for one, other in zip(compiled, found, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert not np.isfinite(found.cost).all()
+
+
 @both_robots
 @pytest.mark.parametrize("function", [improve_compiled, improve_with_numpy], ids=["compiled", "numpy"])
 def test_plans_side_by_side_have_the_bits_of_each_alone(model: PRPArm | Link, function: object) -> None:
