@@ -1,5 +1,6 @@
 """`docs/performance.md`, made from the results of the benchmark alone."""
 
+import json
 import tomllib
 from collections.abc import Mapping, Sequence
 from itertools import groupby
@@ -7,6 +8,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from bench.engines import STORED, section
 from bench.figures import memory_numbers, numbers
 from bench.goals import Goal, goals
 from bench.plot import draw
@@ -43,6 +45,7 @@ def page(results: Results) -> str:
     facts = {
         "machine": machine_text(results),
         "missed": missed_text(goals(results), numbers(results)),
+        "engines": section(json.loads(STORED.read_text(encoding="utf-8"))),
         "action_share": f"{ACTION_SHARE:g}",
         "action_count": str(ACTION_COUNT),
         **{name: f"{effort[name]:g}" for name in _EFFORT},

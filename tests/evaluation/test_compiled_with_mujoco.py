@@ -8,7 +8,6 @@ import pytest
 
 from prp_gym.baselines import CONTROLLERS, make_baseline
 from prp_gym.envs.core.compiled_run import CompiledPeriods
-from prp_gym.evaluation import compiled_batch
 from prp_gym.evaluation.batch import record_episodes
 from prp_gym.evaluation.compiled_batch import record_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController
@@ -78,5 +77,5 @@ def test_functions_whose_bits_are_not_those_of_numpy_are_left_to_numpy(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     env = brief(FORCE)
-    monkeypatch.setattr(compiled_batch.CompiledController, "has_bits_of_numpy", False)
+    monkeypatch.setattr(CompiledController, "has_bits_of_numpy", False)
     assert record_compiled(make_baseline("impedance", env), env, (3,)) is None

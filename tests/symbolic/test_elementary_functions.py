@@ -1,6 +1,8 @@
 """Whether compiled code has the sines, exponentials and the like of NumPy is found out on this machine."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from tests.support.compiler import needs_compiler
 again = elementary_functions_agree.__wrapped__  # without the cache
 
 
-def traced(formula: np.ufunc) -> SymbolicFunction:
+def traced(formula: Callable[..., Any]) -> SymbolicFunction:
     return trace("prp_one", lambda x: {"y": formula(x)}, {"x": (1,)})
 
 
