@@ -12,10 +12,11 @@ import pytest
 from typer.testing import CliRunner
 
 from prp_gym import list_envs
-from prp_gym.baselines import BASELINES, list_baselines, make_baseline
+from prp_gym.baselines import BASELINES, CONTROLLERS, list_baselines, make_baseline
 from prp_gym.baselines.base.gains import gain_sets
 from prp_gym.cli.main import app, main
 from prp_gym.evaluation import METRICS, evaluate
+from prp_gym.symbolic.compiler import compiles_by_default
 from prp_gym.tasks.scenario import SCENARIOS
 
 RUNNER = CliRunner()
@@ -74,6 +75,7 @@ def test_evaluate_covers_every_job_unless_told_otherwise(short_episodes: None, t
             (environment_id, scenario, controller)
             for scenario in ("report", "randomized")
             for controller in controllers
+            if compiles_by_default() or not CONTROLLERS[controller].policy.slow_without_compiler
         ]
     assert jobs_of(results_of(tmp_path)) == expected
     for environment_id, scenario, controller in expected:

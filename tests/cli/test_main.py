@@ -247,7 +247,8 @@ def test_folder_that_cannot_be_written_is_refused_before_anything_is_run(
     monkeypatch.setattr("prp_gym.runs.run.run_job", never)
     blocked = tmp_path / "file"
     blocked.write_text("mine")
-    options = ("--env", list_envs()[0], "--scenario", "report", "--jobs", "1", "--output", str(blocked))
+    jobs = ("--env", list_envs()[0], "--baseline", "joint_pd", "--scenario", "report", "--jobs", "1")
+    options = (*jobs, "--output", str(blocked))
     assert refusal(capsys, monkeypatch, "evaluate", *options).startswith(
         f"error: cannot write to '{blocked}'"
     )
