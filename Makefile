@@ -58,6 +58,7 @@ first-ten-minutes: $(VENV)/.core
 
 bench: $(VENV)/.dev peers
 	$(BIN)/python -m bench
+	$(BIN)/python -m bench.engines
 
 bench-engines: $(VENV)/.dev
 	$(BIN)/python -m bench.engines

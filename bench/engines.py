@@ -10,6 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from datetime import date
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -155,8 +156,9 @@ def section(results: Mapping[str, Any]) -> str:
     """The section of the page."""
     lines = ["| " + " | ".join(_HEADERS) + " |", "| --- | --- | --- | ---: | ---: | ---: | ---: |"]
     lines += ["| " + " | ".join(cells(row)) + " |" for row in results["rows"]]
-    text = _SECTION.read_text(encoding="utf-8")
-    return HEADING + text.replace("{table}", "\n".join(lines)).replace("{rounds}", str(results["rounds"]))
+    about = {name: results["machine"][name] for name in ("processor", "cores")}
+    about |= {"table": "\n".join(lines), "rounds": results["rounds"], "date": results["date"]}
+    return HEADING + _SECTION.read_text(encoding="utf-8").format(**about)
 
 
 def write_section(results: Mapping[str, Any], page: Path) -> None:
@@ -185,7 +187,7 @@ def main(
     for _ in range(rounds):
         for program in programs:
             rates[program].append(_measured(program, seconds))
-    results = {"rounds": rounds, **machine.describe("python -m bench.engines")}
+    results = {"rounds": rounds, "date": f"{date.today():%-d %B %Y}", **machine.describe("python -m bench.engines")}
     results["rows"] = [row_of(one, rates) for one in chosen]
     table = Table(*_HEADERS, title="ratios of rates", title_justify="left")
     for row in results["rows"]:
