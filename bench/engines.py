@@ -187,7 +187,11 @@ def main(
     for _ in range(rounds):
         for program in programs:
             rates[program].append(_measured(program, seconds))
-    results = {"rounds": rounds, "date": f"{date.today():%-d %B %Y}", **machine.describe("python -m bench.engines")}
+    results = {
+        "rounds": rounds,
+        "date": f"{date.today():%-d %B %Y}",
+        **machine.describe("python -m bench.engines"),
+    }
     results["rows"] = [row_of(one, rates) for one in chosen]
     table = Table(*_HEADERS, title="ratios of rates", title_justify="left")
     for row in results["rows"]:

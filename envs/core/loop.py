@@ -44,7 +44,8 @@ class EpisodeLoop:
     Attributes:
         torque_limit: Joint torques at action 1 (joints) [N m, N, N m].
         commanded_torque: Torques commanded in the last step, within the limits (N, joints) [N m, N, N m].
-        ground_truth: Ground truth (N, task.ground_truth_layout.size); the sensors read observations from it.
+        ground_truth: Ground truth (N, task.ground_truth_layout.size), which the sensors read.
+            It may change in place, like the commanded torques, so copy what is to be kept.
         info_fields: Columns of a step's `info`.
         observation_layout: Layout of the observations.
         action_fields: Parts of an action.

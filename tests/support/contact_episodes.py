@@ -84,7 +84,7 @@ def side_by_side(policy: Policy, env: PRPEnv, **options: Array) -> dict[str, Arr
         step = loop.step(np.asarray(action, dtype=np.float64))
         assert not step.terminated.any()
         observation, starts = step.observation, np.zeros(count, dtype=np.bool_)
-        samples.append(loop.ground_truth)
+        samples.append(loop.ground_truth.copy())
     parts: dict[str, Array] = env.task.ground_truth_layout.split(np.array(samples))
     return parts
 
