@@ -156,8 +156,10 @@ class CompiledSimulation(Simulation):
         if workers == 1:
             return [function(0, self.num_simulations, *more)]
         edges = np.linspace(0, self.num_simulations, workers + 1).astype(int).tolist()
-        parts = zip(edges[:-1], np.diff(edges).tolist(), strict=True)
-        return list(self._pool(workers).map(lambda part: function(*part, *more), parts))
+        own, *others = zip(edges[:-1], np.diff(edges).tolist(), strict=True)
+        pool = self._pool(workers)
+        waiting = [pool.submit(function, *part, *more) for part in others]
+        return [function(*own, *more), *(one.result() for one in waiting)]
 
     def _measure_some(self, ids: Ids) -> None:
         """Measure the present state of some simulations; the others keep their measurements."""
