@@ -15,11 +15,12 @@ static inline void prp_refer_at(const prp_plan *plan, long row, long at)
     if (plan->sampled)
         memcpy(reference, plan->sampled + PRP_REFERENCE * at, sizeof(double) * PRP_REFERENCE);
 #if PRP_REFERENCE_NUMBERS
-    else
+    else {
         prp_refer(
             plan->clock + row, &plan->period, plan->reference_numbers + PRP_REFERENCE_NUMBERS * row, reference);
-    for (int i = 0; i < PRP_REFERENCE; i++)
-        reference[i] += 0.0; /* no negative zeros, see `Task.reference` */
+        for (int i = 0; i < PRP_REFERENCE; i++)
+            reference[i] += 0.0; /* no negative zeros, see `Task.reference` */
+    }
 #endif
 }
 
@@ -128,14 +129,13 @@ int prp_decide(const prp_plan *plan)
 #if PRP_PHYSICS
 
 /* Periods of some environments, with a controller or with the actions that are given; see `PLAN` of
-   period_source.py. Returns 1 if all of them are within limits at the end, 0 if one is beyond a joint stop,
-   -1 if one is lost, -2 if an action was not finite.
+   period_source.py. Returns whether all of them are within limits at the end.
 
    ended: the period in which an environment was lost, or whose action was not finite, counted from 1, and
    negative in the second case; 0 for neither. */
 int prp_run(long first, long count, const prp_plan *plan)
 {
-    int inside = 1, not_finite = 0;
+    int inside = 1;
     for (long row = first; row < first + count; row++) {
         int within = !plan->lost[row];
         plan->ended[row] = 0;
@@ -146,7 +146,6 @@ int prp_run(long first, long count, const prp_plan *plan)
                 prp_control(plan, row);
             if (!prp_finite(plan->action + PRP_JOINTS * row, PRP_JOINTS)) {
                 plan->ended[row] = -(k + 1);
-                not_finite = 1;
                 break;
             }
             const long at = k * plan->rows + row, to = prp_recorded_at(plan, row, k);
@@ -159,9 +158,8 @@ int prp_run(long first, long count, const prp_plan *plan)
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }
-        within = plan->lost[row] ? -1 : within;
-        inside = within < inside ? within : inside;
+        inside &= within;
     }
-    return not_finite ? -2 : inside;
+    return inside;
 }
 #endif

@@ -17,8 +17,6 @@ from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
 
-_NOT_FINITE = -2  # result of `prp_run`, see there
-
 
 class CompiledPeriods:
     """The control periods of a loop in compiled code.
@@ -68,13 +66,11 @@ class CompiledPeriods:
         self._set({"clock": np.zeros(rows), "reward": np.zeros(rows), "ended": np.zeros(rows, dtype=np.intp)})
         self._set({"lost": np.zeros(rows, dtype=np.uint8), "task_numbers": self._source.numbers})
         self._set({"truncated": np.zeros(rows, dtype=np.bool_)})
-        self._none = np.zeros(rows, dtype=np.bool_)
         self._readings: ctypes.Structure | None = None
-        self._is_noisy = "noise" in columns
-        self._checks_itself = self.simulates and rows == 1 and not {"noise", "error"} & set(columns)
         if self.simulates:
             self.given.plan.world = ctypes.addressof(loop.physics.world)
             self._set(loop.physics.arrays)
+        self._is_lost = self._arrays["lost"].view(np.bool_)
 
     def _make_source(self, loop: Any) -> PeriodSource:
         """The C source of these periods."""
@@ -121,14 +117,13 @@ class CompiledPeriods:
         """
         arrays = self._arrays
         arrays["action"][...] = action
-        if not (self._checks_itself or self._library.prp_actions_are_finite(self._address)):
+        if not self._library.prp_actions_are_finite(self._address):
             clip_actions(action)  # which refuses them by name
-        if self._is_noisy:
+        if "noise" in arrays:
             self._draw("noise", self._parts.actuators.noise_ahead(1))
         if self.simulates:
             self._prepare()
-            if self._loop.physics.run(self._library.prp_run, self._substeps, self._address) == _NOT_FINITE:
-                clip_actions(action)
+            self.run(self.given)
         else:
             if not self._advance_mujoco(self._address, 0):
                 self.store()
@@ -153,7 +148,7 @@ class CompiledPeriods:
         """The result of a step that compiled code has computed, with copies of its reward and `info`."""
         arrays = self._arrays
         observation, truncated = arrays["observation"].copy(), arrays["truncated"].copy()
-        return Step(observation, reward.copy(), self._none.copy(), truncated, info.copy())
+        return Step(observation, reward.copy(), self._is_lost.copy(), truncated, info.copy())
 
     def _draw(self, name: str, values: Array | None) -> None:
         """Give the random numbers of the next period to the compiled code."""
@@ -224,7 +219,7 @@ class CompiledPeriods:
         start = loop.ground_truth[:, None]
         return record._replace(ground_truth=np.concatenate([start, record.ground_truth], axis=1))
 
-    def score_episodes(self, controller: Any, observation: Array) -> EpisodeTotals:
+    def score_episodes(self, controller: Any, observation: Array) -> EpisodeTotals | None:
         """Run whole episodes with compiled controllers, without a record; then all have to be reset.
 
         Args:
@@ -232,7 +227,7 @@ class CompiledPeriods:
             observation: Observations (N, size) after the reset of all environments.
 
         Returns:
-            What the episodes have given.
+            What the episodes have given; None where `run` came to no end.
 
         Raises:
             UntraceableError: a controller whose state is too large.
@@ -241,9 +236,9 @@ class CompiledPeriods:
         totals = EpisodeTotals(np.zeros(rows), np.zeros(rows, dtype=np.intp))
         self._give_controller(controller, observation)
         self._set({"total": totals.reward, "ended": totals.ended})
-        self.run(self.given)
+        is_over = self.run(self.given)
         plan.controller, plan.periods, plan.total = None, 1, None
-        return totals
+        return totals if is_over else None
 
     def _give_controller(self, controller: Any, observation: Array) -> None:
         """Let a controller act in whole episodes, all of whose random numbers and references are given."""

@@ -79,8 +79,7 @@ class EpisodeLoop:
         self._full = np.ones_like(self._limit)
         self._substeps = config.substeps
         self._compiled: CompiledPeriods | None = None
-        self._engine_is_compiled = config.engine == COMPILED
-        self._may_compile = self._engine_is_compiled or compiles_by_default()
+        self._may_compile = config.engine == COMPILED or compiles_by_default()
         self._errors = ErrorObservation(task.layout, task.model) if config.observation == ERRORS else None
         self.observation_layout = task.layout if self._errors is None else self._errors.layout
         self._lay_out()
@@ -219,7 +218,8 @@ class EpisodeLoop:
         errors = self.task.errors(ground_truth, command)
         reward, info = self._scoring(errors, ground_truth, saturated, elapsed, violation)
         truncated = self._scoring.truncated(elapsed)
-        terminated = np.zeros(self.num_envs, dtype=np.bool_) if within_limits else self._diverged()
+        terminated = np.zeros(self.num_envs, dtype=np.bool_) if within_limits else self.physics.out_of_bounds
+        self._stop(terminated)
         if not self._all_ready:
             self._scoring.zero_reward(reward, info, terminated)
             truncated &= ~terminated
@@ -230,9 +230,8 @@ class EpisodeLoop:
         return outcome
 
     def _watched(self, outcome: Step) -> Step:
-        """The result of a period of compiled code, after a look at which environments have diverged in it."""
-        if self._engine_is_compiled and not self.physics.within_bounds:
-            outcome.terminated[:] = self._diverged()
+        """The result of a period of compiled code; environments that diverged in it wait for a reset."""
+        self._stop(outcome.terminated)
         if not self._all_ready:
             outcome.truncated[outcome.terminated] = False
             which = self._needs_reset
@@ -246,13 +245,11 @@ class EpisodeLoop:
         """The `info` (N, fields) of environments at the start of an episode."""
         return self._scoring.at_start(self.ground_truth)
 
-    def _diverged(self) -> NDArray[np.bool_]:
-        """Which environments left the declared bounds in this step (N); they need a reset."""
-        diverged = self.physics.out_of_bounds
+    def _stop(self, diverged: NDArray[np.bool_]) -> None:
+        """Have environments (a mask of N) that left the declared bounds wait for a reset."""
         if np.count_nonzero(diverged):
             self._needs_reset |= diverged
             self._all_ready = False
-        return diverged
 
     def _measure(self) -> Array:
         """The present ground truth, a new array in which the task has yet to write the unobserved fields."""

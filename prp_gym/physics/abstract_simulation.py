@@ -100,11 +100,6 @@ class Simulation(ABC):
         """
 
     @property
-    def within_bounds(self) -> bool:
-        """Whether no simulation is out of bounds."""
-        return not np.count_nonzero(self.out_of_bounds)
-
-    @property
     @abstractmethod
     def out_of_bounds(self) -> NDArray[np.bool_]:
         """Whether a simulation exceeds the bounds set by `watch` or is `unstable` (N,)."""

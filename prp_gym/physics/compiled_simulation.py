@@ -87,7 +87,7 @@ class CompiledSimulation(Simulation):
         self._beyond, self._no_force = np.zeros(shape), np.zeros((num_simulations, 3))
         self._indices = np.arange(num_simulations, dtype=np.dtype(ctypes.c_long))
         self._lost = np.zeros(num_simulations, dtype=np.uint8)
-        self._within_limits = self._within_bounds = True
+        self._within_limits = True
         self._threads: ThreadPoolExecutor | None = None
         self._process = os.getpid()
         self.world = CompiledWorld()
@@ -107,25 +107,20 @@ class CompiledSimulation(Simulation):
         self._addresses = tuple(ctypes.c_void_p(array.ctypes.data) for array in values)
         self.advance(0)
 
-    def run(self, function: Callable[[int, int, Any], Any], substeps: int, argument: Any) -> int:
+    def run(self, function: Callable[[int, int, Any], Any], substeps: int, argument: Any) -> None:
         """Advance by a compiled function that calls `prp_advance`, with the threads of the simulations.
 
         Args:
-            function: function of the first row, the number of rows and the argument, which returns 1 if
-                all are within limits at the end, 0 if one is beyond a joint stop, else a negative number.
+            function: function of the first row, the number of rows and the argument, which returns whether
+                all are within limits at the end.
             substeps: number of time steps of a call of `prp_advance`.
             argument: further argument.
-
-        Returns:
-            The least of the function's results.
         """
         self.world.substeps = substeps
         if self.num_simulations < 2 * _LEAST_ROWS:
-            result: int = function(0, self.num_simulations, argument)
+            self._within_limits = bool(function(0, self.num_simulations, argument))
         else:
-            result = min(self._over_rows(function, argument))
-        self._within_limits, self._within_bounds = result > 0, result >= 0
-        return result
+            self._within_limits = all(self._over_rows(function, argument))
 
     @property
     @abstractmethod
@@ -148,7 +143,6 @@ class CompiledSimulation(Simulation):
         """See `Simulation.advance`; no substeps measure the present state."""
         self.world.substeps = substeps
         self._within_limits = all(self._over_rows(self._advance_rows))
-        self._within_bounds = self._within_limits or not np.count_nonzero(self._lost)
 
     def _over_rows(self, function: Callable[..., Any], *more: Any) -> list[Any]:
         """The results of a function of the first row, the number of rows and more, over all rows."""
@@ -166,8 +160,7 @@ class CompiledSimulation(Simulation):
         rows = self._indices[ids]
         self.world.substeps = 0
         self._advance_rows(0, len(rows), ctypes.c_void_p(rows.ctypes.data))
-        self._within_bounds = not np.count_nonzero(self._lost)
-        self._within_limits = self._within_bounds and not np.count_nonzero(self._beyond)
+        self._within_limits = not (np.count_nonzero(self._beyond) or np.count_nonzero(self._lost))
 
     def _advance_rows(self, first: int, count: int, rows: ctypes.c_void_p | None = None) -> int:
         """Advance `count` simulations from `first` on, in the order of the C array `rows` if there is one."""
@@ -219,11 +212,6 @@ class CompiledSimulation(Simulation):
     def within_limits(self) -> bool:
         """See `Simulation.within_limits`."""
         return self._within_limits
-
-    @property
-    def within_bounds(self) -> bool:
-        """See `Simulation.within_bounds`."""
-        return self._within_bounds
 
     @property
     def out_of_bounds(self) -> NDArray[np.bool_]:
