@@ -11,12 +11,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.table import Table
 
 from bench import costs, goals, machine, memory, peers, single, training, vector
 from bench.report import PARTS, machine_text, write_page
 from bench.rounds import FREE, FULL, QUICK, REACHER, Effort, race
-from bench.sheets import Sheet, sheets
+from bench.sheets import rich_table, sheets
 from prp_gym.artifacts import prepare_folder, write_json
 from prp_gym.console.consoles import make_console
 from prp_gym.errors import UnknownNameError
@@ -126,16 +125,7 @@ def show(results: Mapping[str, Any]) -> None:
     console = make_console(least=_WIDTH)
     console.print(machine_text(results), highlight=False)
     for sheet in sheets(results):
-        console.print(_rich(sheet))
-
-
-def _rich(sheet: Sheet) -> Table:
-    table = Table(title=sheet.title, title_justify="left")
-    for index, header in enumerate(sheet.headers):
-        table.add_column(header, justify="left" if index < sheet.texts else "right")
-    for row in sheet.rows:
-        table.add_row(*row)
-    return table
+        console.print(rich_table(sheet))
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from prp_gym.envs.action_mode import TORQUE
 from prp_gym.evaluation import evaluate
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks import SCENARIOS
+from prp_gym.tasks.fields import ObservationLayout
 from prp_gym.tasks.setup import COMPILED, MUJOCO
 
 SMOOTH, COULOMB = 1e-9, 1e-5
@@ -93,10 +94,15 @@ class Agreement:
             self.unequal.add(name)
 
 
+def _layout_of(environment_id: str) -> ObservationLayout:
+    with closing(gymnasium.make(environment_id)) as env:
+        layout: ObservationLayout = env.get_wrapper_attr("observation_layout")
+        return layout
+
+
 def modes_of(environment_id: str) -> list[str]:
     """All action modes of a task."""
-    with closing(gymnasium.make(environment_id)) as env:
-        return list_action_modes(env.get_wrapper_attr("observation_layout"))
+    return list_action_modes(_layout_of(environment_id))
 
 
 def conditions(environment_id: str) -> Iterator[Condition]:
@@ -261,17 +267,11 @@ def main(
         for condition in conditions(environment):
             found = compare(condition, round(duration * frequency), frequency, duration)
             failed += _report(condition, found)
-        for scenario, controller in product(SCENARIOS, _controllers(environment)):
+        for scenario, controller in product(SCENARIOS, list_baselines(_layout_of(environment))):
             size = score_difference(environment, scenario, controller)
             failed += size >= SCORE
             print(f"{environment} {scenario} {controller}: score differs by {size:.1e}", flush=True)
     raise typer.Exit(int(failed > 0))
-
-
-def _controllers(environment_id: str) -> list[str]:
-    """All controllers that can run on a task."""
-    with closing(gymnasium.make(environment_id)) as env:
-        return list_baselines(env.get_wrapper_attr("observation_layout"))
 
 
 def _report(condition: Condition, found: Agreement) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 import gymnasium
 
 from bench.rounds import CONTACT, FREE
-from bench.single import bare_loop, random_actions
+from bench.single import bare_loop, environment_loop, random_actions
 from prp_gym.baselines import CONTROLLERS, list_baselines, make_baseline
 from prp_gym.evaluation import evaluate
 from prp_gym.gradients.score_gradient import score_gradient
@@ -52,18 +52,7 @@ def _keywords(program: Program) -> dict[str, Any]:
 
 def _single(program: Program) -> Callable[[], float]:
     """Steps of one environment, with resets."""
-    env = gymnasium.make(program.environment, **_keywords(program))
-    actions = random_actions(1, (env.action_space.shape or ())[0])[:, 0]
-    env.reset(seed=0)
-
-    def chunk() -> float:
-        for action in actions:
-            _, _, terminated, truncated, _ = env.step(action)
-            if terminated or truncated:
-                env.reset()
-        return len(actions)
-
-    return chunk
+    return environment_loop(gymnasium.make(program.environment, **_keywords(program)))
 
 
 def _reset(program: Program) -> Callable[[], float]:

@@ -16,14 +16,14 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
 
 from bench import machine
 from bench.cores import count_cores
 from bench.engine_programs import FORCE, SIZE, Program, measure, surroundings
 from bench.rounds import CONTACT, FREE, REACHER
+from bench.sheets import Sheet, markdown, rich_table
 from prp_gym.artifacts import write_file, write_json
+from prp_gym.console.consoles import make_console
 from prp_gym.tasks.setup import COMPILED, MUJOCO
 
 STORED = Path(__file__).with_name("engines.json")
@@ -35,6 +35,7 @@ HEADING = "## The compiled engine\n"
 _PAGE = Path("docs/performance.md")
 _SECTION = Path(__file__).with_name("engines.md")
 _ROUNDS, _SECONDS = 3, 1.0
+_WIDTH = 190  # columns; wide enough for every cell
 
 
 @dataclass(frozen=True)
@@ -152,12 +153,19 @@ def _short(ratio: float) -> str:
     return f"{ratio:.1f}" if ratio >= 1.0 else f"{ratio:.2f}"
 
 
+def sheet(results: Mapping[str, Any]) -> Sheet:
+    """The table of all comparisons."""
+    return Sheet("engines", "ratios of rates", _HEADERS, tuple(map(cells, results["rows"])), texts=3)
+
+
 def section(results: Mapping[str, Any]) -> str:
     """The section of the page."""
-    lines = ["| " + " | ".join(_HEADERS) + " |", "| --- | --- | --- | ---: | ---: | ---: | ---: |"]
-    lines += ["| " + " | ".join(cells(row)) + " |" for row in results["rows"]]
     about = {name: results["machine"][name] for name in ("processor", "cores")}
-    about |= {"table": "\n".join(lines), "rounds": results["rounds"], "date": results["date"]}
+    about |= {
+        "table": markdown(sheet(results)).rstrip(),
+        "rounds": results["rounds"],
+        "date": results["date"],
+    }
     return HEADING + _SECTION.read_text(encoding="utf-8").format(**about)
 
 
@@ -193,10 +201,7 @@ def main(
         **machine.describe("python -m bench.engines"),
     }
     results["rows"] = [row_of(one, rates) for one in chosen]
-    table = Table(*_HEADERS, title="ratios of rates", title_justify="left")
-    for row in results["rows"]:
-        table.add_row(*cells(row))
-    Console(width=190).print(table)
+    make_console(least=_WIDTH).print(rich_table(sheet(results)))
     if not only:
         write_json(STORED, results)
         write_section(results, _PAGE)

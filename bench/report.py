@@ -12,7 +12,7 @@ from bench.engines import STORED, section
 from bench.figures import memory_numbers, numbers
 from bench.goals import Goal, goals
 from bench.plot import draw
-from bench.sheets import Sheet, sheets
+from bench.sheets import Sheet, markdown, sheets
 from bench.single import ACTION_COUNT, ACTION_SHARE
 from prp_gym.artifacts import write_file
 
@@ -40,7 +40,7 @@ def page(results: Results) -> str:
     """The page as Markdown."""
     texts: dict[str, str] = {}
     for name, group in groupby(sheets(results), key=lambda sheet: sheet.name):
-        texts[name] = "\n".join(map(_titled if name == "vector" else _markdown, group)).rstrip()
+        texts[name] = "\n".join(map(_titled if name == "vector" else markdown, group)).rstrip()
     effort = results["effort"]
     facts = {
         "machine": machine_text(results),
@@ -55,19 +55,7 @@ def page(results: Results) -> str:
 
 
 def _titled(sheet: Sheet) -> str:
-    return f"### {sheet.title}\n\n{_markdown(sheet)}"
-
-
-def _markdown(sheet: Sheet) -> str:
-    lines = [
-        _line(sheet.headers),
-        "|" + " --- |" * sheet.texts + " ---: |" * (len(sheet.headers) - sheet.texts),
-    ]
-    return "\n".join([*lines, *map(_line, sheet.rows)]) + "\n"
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+    return f"### {sheet.title}\n\n{markdown(sheet)}"
 
 
 def machine_text(results: Results) -> str:

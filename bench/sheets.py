@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from rich.table import Table
 
 from bench.goals import AS_SHIPPED, WITHOUT_CLOCK, goals
 from bench.names import contender_name, count_text, frequency_text, is_as_shipped, substeps
@@ -38,6 +39,29 @@ class Sheet:
     headers: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     texts: int = 1
+
+
+def markdown(sheet: Sheet) -> str:
+    """The table in Markdown."""
+    lines = [
+        _line(sheet.headers),
+        "|" + " --- |" * sheet.texts + " ---: |" * (len(sheet.headers) - sheet.texts),
+    ]
+    return "\n".join([*lines, *map(_line, sheet.rows)]) + "\n"
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def rich_table(sheet: Sheet) -> Table:
+    """The table for a terminal."""
+    table = Table(title=sheet.title, title_justify="left")
+    for index, header in enumerate(sheet.headers):
+        table.add_column(header, justify="left" if index < sheet.texts else "right")
+    for row in sheet.rows:
+        table.add_row(*row)
+    return table
 
 
 def goal_sheet(results: Results) -> Sheet:
