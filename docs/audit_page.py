@@ -6,25 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from docs.tables import table
-from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, STANDARD_ERRORS
 from prp_gym.comparison.audit_jobs import UNAWARE
 
 SUMMARY = Path(__file__).resolve().parent.parent / "bench" / "audit.json"
-_REASONS = {
-    "PRP-Adaptive-v0": (
-        "three quarters of the policies settle in every episode, most of them within 0.14 to 0.28"
-        " s; the score ranks these by the error of the whole episode, in which such differences"
-        " count little."
-    ),
-    "PRP-Admittance-v0": (
-        "in the middle of the ranking, compliant controllers follow the target's motion from the"
-        " start and settle in half of the episodes, while stiff ones are far from it most of the"
-        " time and settle late, after pressing hard. The score prefers the former, the criteria the"
-        " latter; the best and the worst policies are ranked alike."
-    ),
-}
-"""Why a reward contradicts a criterion, by environment."""
-
 _DIGITS = 4
 _ABSENT = "-"
 
@@ -41,21 +26,17 @@ def audit_page() -> str:
         " a reward instead of doing the task; then it compares their mean scores with criteria that are not"
         " the reward's own signals. [Metrics](metrics.md#criteria-of-the-audit) defines the criteria. The"
         f" correlation is Goodman and Kruskal's γ: of every two policies that a criterion distinguishes,"
-        " the share that the score ranks alike less the share that it ranks oppositely. It has to exceed"
+        " the share that the score ranks alike less the share that it ranks oppositely. A criterion"
+        f" distinguishes two policies if their mean difference over the episodes exceeds {STANDARD_ERRORS:g}"
+        " standard errors: what chance alone may have decided says nothing about the score. γ has to exceed"
         f" {LEAST_CORRELATION:g} over at least {LEAST_POLICIES} policies, and no policy of the best tenth by"
-        " score may be in the worse half by a criterion. Spearman's correlation is shown beside it; it stays"
-        " below 1 where many policies are equally bad. The command fails where a reward contradicts a"
-        " criterion.\n\n"
+        " score may be in the worse half by a criterion. γ over all cases of two policies, however small"
+        " their difference, and Spearman's correlation are shown beside it; the latter stays below 1 where"
+        " many policies are equally bad. The command fails where a reward contradicts a criterion.\n\n"
     )
     if not audits:
         return text + "No results are stored.\n"
-    return f"{text}{_correlations(audits)}\n{_failures(audits)}{_unaware(audits)}"
-
-
-def _failures(audits: list[dict[str, Any]]) -> str:
-    """What stands behind the tasks whose reward contradicts a criterion."""
-    failing = [audit["environment_id"] for audit in audits if not audit["holds"]]
-    return "".join(f"{name} fails: {_REASONS[name]}\n\n" for name in failing if name in _REASONS)
+    return f"{text}{_correlations(audits)}\n{_unaware(audits)}"
 
 
 def _correlations(audits: list[dict[str, Any]]) -> str:
@@ -65,7 +46,12 @@ def _correlations(audits: list[dict[str, Any]]) -> str:
             value, low, high = (item["correlation"][name] for name in ("value", "low", "high"))
             verdict = ("yes" if item["holds"] else "**no**") if item["required"] else "reported"
             offenders = str(len(item["offenders"])) if item["required"] else _ABSENT
-            cells = (f"{_number(value)} ({_number(low)} to {_number(high)})", _number(item["spearman"]))
+            cells = (
+                f"{_number(value)} ({_number(low)} to {_number(high)})",
+                f"{100.0 * item['counted']:.0f} %",
+                _number(item["unfiltered"]),
+                _number(item["spearman"]),
+            )
             policies = str(len(audit["policies"]))
             rows.append((audit["environment_id"], item["metric"], policies, *cells, offenders, verdict))
     headers = (
@@ -73,6 +59,8 @@ def _correlations(audits: list[dict[str, Any]]) -> str:
         "criterion",
         "policies",
         "γ (95 % interval)",
+        "cases distinguished",
+        "γ over all cases",
         "Spearman",
         "bad among best",
         "holds",

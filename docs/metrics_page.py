@@ -1,7 +1,7 @@
 """The page on metrics, and on the errors against which rewards are checked."""
 
 from docs.tables import NOTE, table
-from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, STANDARD_ERRORS
 from prp_gym.evaluation.failure import MOST_FORCE
 from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.metrics import METRICS
@@ -26,7 +26,8 @@ The score of an episode is its return over its duration. Tables of scores show
   3. limit cycle: in the second half of the episode a deviation makes at least three full oscillations,
      and twice as many as the reference; in the last quarter they are larger than the tolerance of
      settling, and at least half as large as in the quarter before.
-  4. unsettled: the responses are not within the tolerances of settling over the last tenth.
+  4. unsettled: the responses are not within the tolerances of settling over the last tenth, of the episode or, for
+     tasks whose tolerances say so, before the planned reference turns back.
 """
 
 _METRIC_HEADERS = ("metric", "unit", "definition", "known as", "better", "requires")
@@ -73,8 +74,9 @@ def _criteria() -> str:
     ]
     text = (
         "`prp-gym audit` computes Goodman and Kruskal's γ between the mean score and the smallness of each"
-        " criterion below: the rank correlation over every two policies that the criterion distinguishes,"
-        f" of at least {LEAST_POLICIES} good and bad ones, with a 95 % bootstrap interval over the episodes."
+        " criterion below: the rank correlation over every two policies that the criterion distinguishes"
+        f" by more than {STANDARD_ERRORS:g} standard errors of their mean difference over the episodes, of at"
+        f" least {LEAST_POLICIES} good and bad ones, with a 95 % bootstrap interval over the episodes."
         " It has to exceed"
         f" {LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a"
         " criterion. An episode that does not settle counts as the largest value that a criterion has, as"

@@ -21,7 +21,7 @@ from prp_gym.cli.options import (
     TableFormat,
 )
 from prp_gym.comparison.agents import find_agents
-from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, audit_rewards
+from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, STANDARD_ERRORS, audit_rewards
 from prp_gym.comparison.audit_jobs import UNAWARE, list_audit_jobs
 from prp_gym.comparison.audit_table import audit_table, unaware_table
 from prp_gym.comparison.values import group_conditions
@@ -38,8 +38,8 @@ from prp_gym.tables.formats import TERMINAL
 _DEFAULT_SCENARIOS = ["realistic"]
 _NOTE = (
     "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
-    f"over every two policies that it distinguishes, of at least {LEAST_POLICIES}; its 95 % interval is "
-    "over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
+    f"over every two policies that it distinguishes by more than {STANDARD_ERRORS:g} standard errors of their mean "
+    f"difference over the episodes, of at least {LEAST_POLICIES}; its 95 % interval is over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
     "that does not settle counts as the worst by every criterion. γ has to exceed "
     f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
     "criterion. Energies are shown for information."

@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.comparison.rank import concordance, rank_correlation, resampled_concordances
+from prp_gym.comparison.rank import (
+    concordance,
+    distinguished,
+    rank_correlation,
+    resampled_concordances,
+)
 from prp_gym.comparison.values import Condition, Entry
 from prp_gym.evaluation.resampling import cut_tails
 from prp_gym.evaluation.scoring import scoring_of
@@ -24,6 +29,9 @@ LEAST_POLICIES = 40
 REPORTED = tuple(Criterion(name, np.inf, required=False) for name in ("excess_energy", "energy"))
 """Criteria that are shown for information in every audit: a task may be worth its energy."""
 
+STANDARD_ERRORS = 2.0
+"""Standard errors of a mean difference over the episodes beyond which a criterion distinguishes two policies."""
+
 _CONFIDENCE = 0.95
 _RESAMPLES = 500  # about a dozen of them lie beyond each end of the interval
 _BEST = 0.1  # share of the policies that must not be bad by any criterion
@@ -38,8 +46,10 @@ class Finding:
     Attributes:
         metric: metric of the criterion.
         correlation: Goodman and Kruskal's γ between the score and the smallness of the metric: 1 if both rank
-            every two policies alike that the criterion distinguishes. Its 95 % interval is over the
-            episodes, for these policies.
+            every two policies alike that the criterion distinguishes by more than `STANDARD_ERRORS`. Its
+            95 % interval is over the episodes, for these policies.
+        counted: share of all cases of two policies that the criterion distinguishes [1].
+        unfiltered: γ over all cases of two, also where chance alone may have made the difference.
         spearman: Spearman's rank correlation, which stays below 1 where many policies are equally bad.
         values: mean of the metric for each policy, over episodes.
         offenders: policies in the best tenth by score that are in the worse half by the criterion.
@@ -48,6 +58,8 @@ class Finding:
 
     metric: str
     correlation: Estimate
+    counted: float
+    unfiltered: float
     spearman: float
     values: tuple[float, ...]
     offenders: tuple[str, ...]
@@ -152,11 +164,18 @@ def _finding(
         means = np.nanmean(values, axis=1)
         resampled = np.nanmean(values[:, drawn], axis=2).T
     every = scores.mean(axis=1)
-    found = resampled_concordances(scores[:, drawn].mean(axis=2).T, -resampled)
+    counted = distinguished(values, STANDARD_ERRORS)
+    found = resampled_concordances(scores[:, drawn].mean(axis=2).T, -resampled, counted)
     low, high = cut_tails(found, _CONFIDENCE) if len(found) else (np.nan, np.nan)
-    value = Estimate(concordance(every, -means), float(low), float(high))
     best = np.argsort(-every, kind="stable")[: max(1, round(_BEST * len(every)))]
     offenders = tuple(names[index] for index in best if means[index] > np.median(means))
-    spearman = rank_correlation(every, -means)
-    offenders = offenders if criterion.required else ()
-    return Finding(criterion.metric, value, spearman, tuple(means.tolist()), offenders, criterion.required)
+    return Finding(
+        criterion.metric,
+        Estimate(concordance(every, -means, counted), float(low), float(high)),
+        float(counted[np.triu_indices(len(every), 1)].mean()),
+        concordance(every, -means),
+        rank_correlation(every, -means),
+        tuple(means.tolist()),
+        offenders if criterion.required else (),
+        criterion.required,
+    )

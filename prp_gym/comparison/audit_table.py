@@ -13,6 +13,8 @@ _CRITERIA = (
     *(*_CONDITION, text_column("criterion"), TableColumn("policies")),
     TableColumn("rank corre\u00adlation γ with score"),
     interval_column("95 % interval"),
+    TableColumn("cases distin\u00adguished", ("%",)),
+    TableColumn("γ over all cases"),
     TableColumn("Spear\u00adman's corre\u00adlation"),
     TableColumn("bad among the best by score"),
     text_column("score agrees"),
@@ -30,6 +32,8 @@ def _finding(item: Audit, finding: Finding) -> tuple[Cell | str, ...]:
     return (
         *(id_cell(item.environment_id), item.scenario, finding.metric, Cell.of(len(item.policies))),
         *_correlation(finding),
+        Cell.number(100.0 * finding.counted, ".0f"),
+        Cell.number(finding.unfiltered, ".2f"),
         Cell.number(finding.spearman, ".2f"),
         Cell.of(len(finding.offenders)) if finding.required else ABSENT,
         holds if finding.required else Cell("reported", None),

@@ -22,7 +22,8 @@ def failure_shares(rollout: Rollout) -> Array:
       desired force, the task's bound.
     - limit cycle: a deviation from the reference oscillates to the end of the episode, beyond the task's
       tolerance; see `prp_gym.evaluation.response.oscillates_for_good`.
-    - unsettled: the responses are not within the task's tolerances over the last tenth of the episode.
+    - unsettled: the responses are not within the task's tolerances over the last tenth of the episode, nor,
+      where the task asks for it, over the last tenth before its planned reference turns back.
 
     The last two need a task that declares when its responses count as settled.
 

@@ -115,21 +115,26 @@ def steady_state_error(actual: Array, desired: Array) -> Array:
     return np.where(still[..., None], error, np.nan)
 
 
-def time_settled(time: Array, deviations: Sequence[Array]) -> float:
+def time_settled(time: Array, deviations: Sequence[Array], reversals: Sequence[int] = ()) -> float:
     """When all deviations come within their tolerances for good.
 
     Args:
         time: (T) [s].
         deviations: groups of components (T, any size) in units of their tolerances [1]; within them where
             the norm of a group is at most 1.
+        reversals: samples, in their order, at which the reference turns back.
 
     Returns:
-        the time [s]; infinite if the last tenth is not within the tolerances from its beginning, and where
-        a deviation is undefined (NaN).
+        the time [s]; infinite if the last tenth is not within the tolerances from its beginning, nor the last
+        tenth before every reversal, counted from the reversal before it, and where a deviation is undefined
+        (NaN).
     """
     outside = np.zeros(len(time), dtype=np.bool_)
     for group in deviations:
         outside |= ~(norm(group) <= 1.0)
+    for start, end in zip((0, *reversals), reversals, strict=False):
+        if outside[end - round(_FINAL_PART * (end - start)) : end + 1].any():
+            return np.inf
     settled = float(time_inside_for_good(time, outside))
     return settled if settled <= time[-1 - round(_FINAL_PART * (len(time) - 1))] else np.inf
 

@@ -54,7 +54,8 @@ class Settling(NamedTuple):
         known = _SETTLINGS.get(rollout)
         if known is None:
             deviations = criterion.deviations(rollout.fields)
-            known = _SETTLINGS[rollout] = cls(deviations, time_settled(rollout.time, deviations))
+            reversals = criterion.reversals(rollout.fields)
+            known = _SETTLINGS[rollout] = cls(deviations, time_settled(rollout.time, deviations, reversals))
         return known
 
 

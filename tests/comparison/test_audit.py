@@ -14,7 +14,13 @@ from prp_gym.comparison.audit import (
     audit_rewards,
     criterion_values,
 )
-from prp_gym.comparison.rank import average_ranks, concordance, rank_correlation, resampled_concordances
+from prp_gym.comparison.rank import (
+    average_ranks,
+    concordance,
+    distinguished,
+    rank_correlation,
+    resampled_concordances,
+)
 from prp_gym.comparison.values import Entry, group_conditions
 from prp_gym.errors import ShapeError
 from prp_gym.tasks.spec import Criterion
@@ -73,6 +79,33 @@ def test_resample_without_a_correlation_is_left_out() -> None:
     np.testing.assert_allclose(resampled_concordances(x, y), [1.0, -1.0], atol=ROUNDING)
 
 
+def test_cases_that_do_not_count_are_left_out_of_the_concordance() -> None:
+    x, y = np.arange(4.0), np.array([0.0, 2.0, 1.0, 3.0])
+    counted = ~np.eye(4, dtype=bool)
+    assert concordance(x, y, counted) == pytest.approx((5 - 1) / 6)
+    counted[1, 2] = counted[2, 1] = False  # the only case that is ranked oppositely
+    assert concordance(x, y, counted) == pytest.approx(1.0)
+    assert resampled_concordances(x[None], y[None], counted) == pytest.approx([1.0])
+
+
+def test_values_are_distinguished_by_the_standard_error_of_their_difference_sample_by_sample() -> None:
+    common = np.array([0.0, 10.0, 20.0, 30.0])  # of all rows, much larger than what sets them apart
+    first, second = common, common + [1.0, 2.0, 1.0, 2.0]
+    # mean difference 1.5, variance (0.25 * 4)/3, standard error √(1/12) = 0.289: 5.2 standard errors
+    third = common + [3.0, -2.0, 0.0, 0.0]  # 0.25 with a standard error of 1.03
+    found = distinguished(np.stack([first, second, third]), 2.0)
+    np.testing.assert_array_equal(found, [[0, 1, 0], [1, 0, 0], [0, 0, 0]])
+    assert distinguished(np.stack([first, second]), 5.1)[0, 1]
+    assert not distinguished(np.stack([first, second]), 5.3)[0, 1]
+
+
+def test_undefined_samples_are_left_out_and_single_ones_differ_if_they_are_unequal() -> None:
+    values = np.array([[1.0, np.nan], [2.0, 5.0], [np.nan, np.nan], [1.0, 7.0]])
+    found = distinguished(values, 2.0)
+    np.testing.assert_array_equal(found[0], [0, 1, 0, 0])
+    assert not found[2].any()
+
+
 def policy(
     name: str, score: float, settling: float, unsettled: float = 0.0, **metrics: float
 ) -> dict[str, Any]:
@@ -120,6 +153,16 @@ def test_score_against_a_criterion_fails_and_names_the_bad_policies_among_the_be
         -1.0
     )
     assert not audited(*reversed_order).holds
+
+
+def test_differences_that_chance_may_have_made_do_not_count_against_the_score() -> None:
+    ranked = [policy(f"policy {i}", 1.0 - i / 50, 0.1 * i) for i in range(40)]
+    for index in (10, 11):  # in one episode of three the lower score is far better by the criterion
+        ranked[index]["episodes"]["response_settling_time"] = [[1.0], [1.0], [2.0 - 5.0 * (index - 10) / 4]]
+    found = finding(audited(*ranked), "response_settling_time")
+    assert found.correlation.value == pytest.approx(1.0)
+    assert found.unfiltered < 1.0
+    assert found.counted < 1.0
 
 
 def test_energy_is_reported_and_fails_nothing() -> None:

@@ -88,6 +88,41 @@ def test_resting_reference_near_the_start_has_a_tolerance_of_a_millimetre() -> N
     np.testing.assert_allclose(criterion.deviations(fields)[0], 1.0, rtol=1e-12)
 
 
+IN_AND_OUT = MotionSettling("actual", "desired", "desired", (0.01,), 1.0, 1.0, before_reversals=True)
+
+
+@pytest.mark.parametrize("turn", [2.0, 2.003])  # at a sample, and between two
+def test_reference_that_goes_in_and_out_turns_back_once(turn: float) -> None:
+    position = np.interp(TIME, [0.5, turn, 3.5], [0.0, 0.1, -0.05])[:, None]
+    (found,) = IN_AND_OUT.reversals({"desired": position})
+    assert TIME[found] == pytest.approx(turn, abs=0.01)
+    straight = MotionSettling("actual", "desired", "desired", (0.01,), 1.0, 1.0)
+    assert straight.reversals({"desired": position}) == ()
+
+
+@pytest.mark.parametrize("reference", [0.0 * TIME, np.minimum(TIME, 2.0), np.round(TIME, 1)])
+def test_reference_that_rests_or_goes_on_never_turns_back(reference: Array) -> None:
+    noise = 1e-16 * np.cos(100.0 * TIME)  # rounding
+    assert IN_AND_OUT.reversals({"desired": (reference + noise * reference.any())[:, None]}) == ()
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "expected"),
+    [
+        (0.0, 1.7, 1.7),  # settles before 1.8 s, a tenth of the 2 s before the reversal
+        (0.0, 1.9, np.inf),
+        (1.0, 3.0, np.inf),
+        (2.1, 3.0, 3.0),  # a transient after the reversal, which settles
+        (2.1, 4.6, np.inf),
+    ],
+)
+def test_response_has_to_settle_before_its_reference_turns_back(
+    low: float, high: float, expected: float
+) -> None:
+    outside = np.where((low - 1e-9 < TIME) & (high - 1e-9 > TIME), 2.0, 0.0)[:, None]
+    assert time_settled(TIME, [outside], [round(2.0 / TIME[1])]) == pytest.approx(expected)
+
+
 @pytest.mark.parametrize(("desired", "tolerance"), [(10.0, 0.5), (4.0, 0.2), (1.0, 0.2)])
 def test_force_settles_within_five_percent_but_not_below_what_the_sensor_resolves(
     desired: float, tolerance: float

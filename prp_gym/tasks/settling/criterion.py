@@ -36,6 +36,17 @@ class SettlingCriterion(ABC):
             Groups of components (T, any size) [1]; a sample is settled where no group has a norm above 1.
         """
 
+    def reversals(self, fields: Fields) -> tuple[int, ...]:
+        """Samples at which the planned reference turns back, before which the responses have to settle, too.
+
+        Args:
+            fields: Ground truth by field name, each (T, size).
+
+        Returns:
+            Indices into the T samples, in their order; none unless the criterion asks for it.
+        """
+        return ()
+
     @abstractmethod
     def reference(self, fields: Fields) -> Array:
         """The planned reference (T, size), whose own oscillation is no limit cycle.

@@ -7,6 +7,8 @@ import numpy as np
 from prp_gym.robot.arrays import Array
 from prp_gym.tasks.settling.criterion import Fields, SettlingCriterion
 
+_STANDSTILL = 1e-6  # of the largest displacement within a sample; a smaller one is rounding
+
 
 @dataclass(frozen=True)
 class MotionSettling(SettlingCriterion):
@@ -24,6 +26,7 @@ class MotionSettling(SettlingCriterion):
         moving: Tolerance for a reference that moves [cm].
         resting: Least tolerance for a reference that rests [cm].
         share: Tolerance for a reference that rests, as a share of the whole move [1].
+        before_reversals: Whether the motion also has to settle before every reversal of the planned reference.
     """
 
     actual: str
@@ -33,6 +36,7 @@ class MotionSettling(SettlingCriterion):
     moving: float
     resting: float
     share: float = 0.0
+    before_reversals: bool = False
 
     @property
     def requires(self) -> tuple[str, ...]:
@@ -49,6 +53,8 @@ class MotionSettling(SettlingCriterion):
                 f" while that moves, within {100 * self.share:g} % of the whole move (at least "
                 f"{self.resting:g} cm) if it rests"
             )
+        if self.before_reversals:
+            text += ", also before the planned reference turns back"
         return f"{text}; norm over the components, of which ({scales}) [SI] move the tip by 1 cm each"
 
     def deviations(self, fields: Fields) -> tuple[Array, ...]:
@@ -57,6 +63,16 @@ class MotionSettling(SettlingCriterion):
         count = desired.shape[-1]
         error = (desired - fields[self.actual][..., :count]) / np.array(self.centimetre[:count])
         return (error / self._tolerance(desired, error[0]),)
+
+    def reversals(self, fields: Fields) -> tuple[int, ...]:
+        """See `SettlingCriterion.reversals`: where successive displacements of the reference are opposed."""
+        if not self.before_reversals:
+            return ()
+        steps = np.diff(self.reference(fields) / np.array(self.centimetre), axis=0)
+        lengths = np.sqrt((steps**2).sum(axis=-1))
+        moves = np.flatnonzero(lengths > _STANDSTILL * lengths.max(initial=0.0))
+        opposed = (steps[moves[:-1]] * steps[moves[1:]]).sum(axis=-1) < 0.0
+        return tuple(moves[1:][opposed].tolist())
 
     def reference(self, fields: Fields) -> Array:
         """See `SettlingCriterion.reference`."""
