@@ -5,6 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from prp_gym.baselines.base.error_integral import RunningIntegral
 from prp_gym.baselines.base.force_sensing import ForceSensingSettings
 from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
 from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
@@ -24,6 +25,7 @@ class AdmittanceSettings(ForceSensingSettings):
         stiffness: K_Pt (pose), diagonal [N/m, N/m, N/m, N m/rad, N m/rad, N m/rad].
         proportional_gain: K_P (pose) of the motion control, diagonal [1/s^2].
         derivative_gain: K_D (pose) of the motion control, diagonal [1/s].
+        integral_gain: K_I (pose) of the motion control, diagonal [1/s^3].
         pseudoinverse_damping: λ of J_A⁺, in the units of J_A's singular values.
     """
 
@@ -32,6 +34,7 @@ class AdmittanceSettings(ForceSensingSettings):
     stiffness: Any
     proportional_gain: Any
     derivative_gain: Any
+    integral_gain: Any = 0.0
     pseudoinverse_damping: float = 0.0
 
     vectors: ClassVar = {
@@ -40,6 +43,7 @@ class AdmittanceSettings(ForceSensingSettings):
         "stiffness": Vector("pose", "N/m, N·m/rad"),
         "proportional_gain": Vector("pose", "1/s²"),
         "derivative_gain": Vector("pose", "1/s"),
+        "integral_gain": Vector("pose", "1/s³"),
     }
     numbers: ClassVar = {**ForceSensingSettings.numbers, "pseudoinverse_damping": "1 (mixed units)"}
 
@@ -61,6 +65,7 @@ class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
     measured_fields = (*MEASURED_MOTION, "contact_force")
     settings_class = AdmittanceSettings
     rendered = ("inertia", "damping", "stiffness")
+    integrators = (0,)
 
     def __init__(self, interface: ControlInterface, settings: AdmittanceSettings) -> None:
         super().__init__(interface, settings)
@@ -68,29 +73,33 @@ class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
         self.compliant_frame = TargetModel(
             numbers.inertia, numbers.damping, numbers.stiffness, interface.period
         )
+        self._integral = RunningIntegral(numbers.integral_gain, interface.period)
         self._taring = numbers.make_taring(interface.period)
 
     def initial_state(self, observed: Observed) -> ControllerState:
-        """The compliant frame at rest on the desired one, no tare yet; see `Baseline.initial_state`."""
+        """K_I ∫(x_t - x) dt = 0, z = 0 and at rest, no tare yet; see `Baseline.initial_state`."""
         shape = observed["joint_position"].shape[:-1]
-        return *Displacement.zero(shape), *self._taring.begin(shape)
+        integral = self._integral.begin(observed["end_effector_pose"].shape)
+        return *integral, *Displacement.zero(shape), *self._taring.begin(shape)
 
     def control(self, observed: Observed, state: ControllerState) -> tuple[Array, ControllerState]:
         """See `Baseline.control`."""
         desired, measured = self.desired(observed), self.measured(observed)
-        force, tare = self._taring.step(state[2:], observed["contact_force"], measured.pose[..., :3])
+        force, tare = self._taring.step(state[3:], observed["contact_force"], measured.pose[..., :3])
         h_A = np.concatenate([force, np.zeros(force.shape)], axis=-1)
-        z = Displacement(*state[:2])
+        z = Displacement(*state[1:3])
         K_P, K_D = self.settings.proportional_gain, self.settings.derivative_gain
+        error = desired.pose - z.value - measured.pose
         acceleration = (
             desired.acceleration
             - self.compliant_frame.acceleration(z, h_A)
             + K_D * (desired.velocity - z.rate - measured.velocity)
-            + K_P * (desired.pose - z.value - measured.pose)
+            + K_P * error
         )
+        acceleration, integral = self._integral.step(acceleration, error, state[:1])
         torque = self.resolved_torque(measured, acceleration, self.settings.pseudoinverse_damping)
         after = self.compliant_frame.advance(z, h_A, h_A)
-        return torque + self.contact_torque(measured, force), (*after, *tare)
+        return torque + self.contact_torque(measured, force), (*integral, *after, *tare)
 
 
 register_controller(

@@ -13,10 +13,11 @@ from prp_gym.robot.arrays import Array, dot, norm
 Memory = tuple[Array, ...]
 
 _TARE, _COUNT, _SUM, _NEW = slice(0, 3), slice(3, 4), slice(4, 7), slice(7, 8)
-_EXCESS, _TOUCH, _POINT, _DIRECTION = slice(8, 9), slice(9, 10), slice(10, 13), slice(13, 16)
+_EXCESS, _TOUCH, _POINT = slice(8, 9), slice(9, 10), slice(10, 13)
 _COUNTED = slice(0, 4)  # the tare with its count
-_LATER, _EARLIER, _AGE = slice(16, 20), slice(20, 24), slice(24, 25)  # former tares with their counts
-_SIZE = 25
+_LATER, _EARLIER, _AGE = slice(13, 17), slice(17, 21), slice(21, 22)  # former tares with their counts
+_PRESS, _PRESSED = slice(22, 25), slice(25, 26)  # sum and number of the clear forces since the touch
+_SIZE = 26
 
 
 class Taring(ABC):
@@ -71,6 +72,9 @@ class TaringUntilContact(Taring):
     again after them, and at the touch b̂ goes back to what it was some readings before, if there were so many:
     what a slowly growing contact force adds, until it is seen, is dropped.
 
+    The error of b̂ is common to all readings, and large after few of them: before as many have been counted as
+    are held back, nothing is added up, and a touch is a single reading above 6.8 σ (1 + 1/count)^½.
+
     A first reading above the largest bias is a touch, and nothing is subtracted. A contact force that acts
     from the first reading on and is below that cannot be told from a bias, and is subtracted.
 
@@ -106,13 +110,17 @@ class TaringUntilContact(Taring):
         size = norm(force)[..., None]
         spread = self.noise * np.sqrt(1.0 + 1.0 / np.maximum(count, 1.0))
         excess = np.maximum(0.0, after[..., _EXCESS] + size - self.allowance * spread)
+        single = size > (self.allowance + self.decision) * spread
+        excess = np.where((count >= self.held_back) | single, excess, 0.0)
         seen = ~touched & ((excess > self.decision * spread) | ((count == 0.0) & ~first))
         touched |= seen
         self._learn(after, reading, excess, touched)
         self._go_back(after, seen)
         after[..., _TOUCH] = touched
         after[..., _POINT] = np.where(seen, tip, after[..., _POINT])
-        after[..., _DIRECTION] = np.where(seen, force / np.maximum(size, 1e-12), after[..., _DIRECTION])
+        clear = touched & (seen | (size > self.allowance * spread))
+        after[..., _PRESS] = np.where(clear, after[..., _PRESS] + force, after[..., _PRESS])
+        after[..., _PRESSED] = np.where(clear, after[..., _PRESSED] + 1.0, after[..., _PRESSED])
         return force, (after,)
 
     def _released(self, memory: Array, reading: Array, tip: Array) -> Array:
@@ -149,8 +157,11 @@ class TaringWheneverFree(TaringUntilContact):
     At the touch the tip is at most F/K_min deep, with the force F = 6.8 σ that is seen at once and the least
     stiffness K_min of a surface at rest. When it has withdrawn by more than that from the point of the touch,
     against the direction of the force, it is off the surface whatever the force reads, so that a contact
-    force, however small, is never subtracted. As a second condition, for a surface that follows the tip, the
-    change of the reading since then must be within the largest bias.
+    force, however small, is never subtracted. The direction is that of the sum of all clear forces since the
+    touch; its angle is uncertain by three standard errors of their mean, and the withdrawal counts along that
+    direction within this angle for which it is smallest: a tip that slides along the surface does not seem to
+    leave it. As a second condition, for a surface that follows the tip, the change of the reading since then
+    must be within the largest bias.
 
     Attributes:
         least_stiffness: least stiffness K_min of a surface, above 0 [N/m].
@@ -158,10 +169,23 @@ class TaringWheneverFree(TaringUntilContact):
 
     least_stiffness: float = 50.0
 
+    certainty: ClassVar[float] = 3.0
+
     def _released(self, memory: Array, reading: Array, tip: Array) -> Array:
         """A copy of the memory, empty where the tip has left the surface."""
-        withdrawn = dot(memory[..., _DIRECTION], memory[..., _POINT] - tip)
         clearance = (self.allowance + self.decision) * self.noise / self.least_stiffness
         small = norm(reading) <= self.largest_bias
-        free = (memory[..., _TOUCH][..., 0] > 0.0) & (withdrawn > clearance) & small
+        free = (memory[..., _TOUCH][..., 0] > 0.0) & (self._withdrawn(memory, tip) > clearance) & small
         return np.where(free[..., None], 0.0, memory)
+
+    def _withdrawn(self, memory: Array, tip: Array) -> Array:
+        """The least distance (...) by which the tip has withdrawn since the touch [m]."""
+        moved, press = memory[..., _POINT] - tip, memory[..., _PRESS]
+        size = np.maximum(norm(press), 1e-12)
+        along = dot(press / size[..., None], moved)
+        across = np.sqrt(np.maximum(dot(moved, moved) - along**2, 0.0))
+        pressed, count = memory[..., _PRESSED][..., 0], np.maximum(memory[..., _COUNT][..., 0], 1.0)
+        error = self.noise * np.sqrt(pressed + pressed**2 / count)  # of the sum; the tare has one of its own
+        sine = np.minimum(self.certainty * error / size, 1.0)
+        withdrawn: Array = along * np.sqrt(1.0 - sine**2) - across * sine
+        return withdrawn
