@@ -32,12 +32,14 @@ K_DT = np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0])
 K_PT = np.array([100.0, 200.0, 300.0, 400.0, 500.0, 0.0])
 K_P = np.array([50.0, 60.0, 70.0, 80.0, 90.0, 100.0])
 K_D = np.array([10.0, 11.0, 12.0, 13.0, 14.0, 15.0])
+K_I = np.array([5.0, 4.0, 3.0, 2.0, 1.0, 6.0])
+PERIOD = 0.002
 
 
 def custom(**settings: Any) -> AdmittanceController:
     target = {"inertia": M_T, "damping": K_DT, "stiffness": K_PT}
-    given = {**target, "proportional_gain": K_P, "derivative_gain": K_D, **settings}
-    return AdmittanceController(interface(), AdmittanceSettings(**given))
+    given = {**target, "proportional_gain": K_P, "derivative_gain": K_D, "integral_gain": K_I}
+    return AdmittanceController(interface(), AdmittanceSettings(**{**given, **settings}))
 
 
 def push(pose: Array, motion: Array, seconds: float) -> Reference:
@@ -65,21 +67,23 @@ def pushing(cases: Cases, depth: float) -> Reference:
 
 def test_torque_is_that_of_the_formula() -> None:
     now = random_observation(13, 20)
-    z, rate = np.random.default_rng(6).uniform(-0.2, 0.2, size=(2, 20, 6))
-    torque, _ = custom().control(now, (z, rate))
+    integral, z, rate = np.random.default_rng(6).uniform(-0.2, 0.2, size=(3, 20, 6))
+    torque, after = custom().control(now, (integral, z, rate))
     force = np.concatenate([now["contact_force"], np.zeros((20, 3))], axis=1)
     change = (force - K_DT * rate - K_PT * z) / M_T
     acceleration = now["desired_acceleration"] - change
     acceleration += K_D * (now["desired_velocity"] - rate - now["end_effector_velocity"])
-    acceleration += K_P * (now["desired_pose"] - z - now["end_effector_pose"])
+    error = now["desired_pose"] - z - now["end_effector_pose"]
+    acceleration += K_P * error + integral
     # the oracle's J̇ is a difference quotient: 1e-9 of torques up to 1e3
     np.testing.assert_allclose(torque, torque_for(now, acceleration), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(after[0], integral + PERIOD * K_I * error, rtol=1e-12)
 
 
 def test_compliant_frame_obeys_its_differential_equation() -> None:
     now = random_observation(14, 4)
     z, rate = np.random.default_rng(7).uniform(-0.2, 0.2, size=(2, 4, 6))
-    _, (after, rate_after) = custom().control(now, (z, rate))
+    _, (_, after, rate_after) = custom().control(now, (np.zeros(z.shape), z, rate))
     force = np.concatenate([now["contact_force"], np.zeros((4, 3))], axis=1)
     step = 0.002 / 20000
     for _ in range(20000):  # the explicit Euler method with tiny steps

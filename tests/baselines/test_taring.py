@@ -93,6 +93,33 @@ def test_small_force_in_contact_is_not_tared_away() -> None:
     np.testing.assert_allclose(forces[-2000:].mean(axis=0), 0.1 * INTO, atol=0.02)
 
 
+def test_tip_that_slides_along_the_surface_after_a_faint_touch_has_not_left_it() -> None:
+    """The force of the touch, 0.15 N, has noise of 0.05 N on every axis: its direction says little by itself."""
+    along = np.array([0.0, 0.0, 1.0])
+    for seed in range(40):
+        readings = np.concatenate([noise(200, seed), 0.3 * INTO + noise(800, 100 + seed)])
+        slide = np.concatenate([np.zeros(200), np.linspace(0.0, 0.04, 800)])[:, None] * along
+        for sign in (1.0, -1.0):
+            forces = corrected(WHENEVER, readings, sign * slide)
+            np.testing.assert_allclose(forces[-400:].mean(axis=0), 0.3 * INTO, atol=0.03)
+
+
+def test_first_reading_that_is_far_off_is_no_lasting_touch() -> None:
+    """One of 4 σ, in which all later ones differ from it by as much."""
+    readings = BIAS + noise(300, 9)
+    readings[0] = BIAS - 4.0 * NOISE * INTO
+    forces = corrected(WHENEVER, readings)
+    np.testing.assert_allclose(forces[-100:].mean(axis=0), 0.0, atol=0.02)
+
+
+@pytest.mark.parametrize("after", [1, 5, 30])
+def test_force_is_seen_after_few_readings_too(after: int) -> None:
+    readings = np.concatenate([BIAS + noise(after, 3), BIAS + 1.0 * INTO + noise(300, 4)])
+    forces = corrected(UNTIL, readings)
+    # the tare of one reading has its noise: 3 σ
+    np.testing.assert_allclose(forces[-1], INTO, atol=6.0 * NOISE)
+
+
 def test_rows_of_a_batch_are_independent() -> None:
     free = BIAS + noise(300, 8).reshape(100, 3, 3)
     free[50:, 1] += 3.0 * INTO

@@ -13,6 +13,8 @@ import pytest
 from numpy.typing import NDArray
 
 from prp_gym.baselines import (
+    AdmittanceController,
+    AdmittanceSettings,
     Baseline,
     JointInverseDynamicsController,
     JointInverseDynamicsSettings,
@@ -146,13 +148,23 @@ def test_link_is_stable_below_the_criterion_of_routh_alone(share: float, stable:
     assert factor < 0.3 if stable else factor > 2.0
 
 
+def operational(integral_gain: float) -> Baseline[Any]:
+    settings = OperationalInverseDynamicsSettings(400.0, 20.0, integral_gain)
+    return OperationalInverseDynamicsController(POSE_INTERFACE, settings)
+
+
+def admittance(integral_gain: float) -> Baseline[Any]:
+    frame = {"inertia": 1.0, "damping": 10.0, "stiffness": 20.0}
+    motion = {"proportional_gain": 400.0, "derivative_gain": 20.0, "integral_gain": integral_gain}
+    return AdmittanceController(POSE_INTERFACE, AdmittanceSettings(**frame, **motion))
+
+
+@pytest.mark.parametrize("make", [operational, admittance])
 @pytest.mark.parametrize(("share", "stable"), [(0.85, True), (1.15, False)])
 def test_arm_in_operational_space_is_stable_below_the_criterion_of_routh_alone(
-    share: float, stable: bool
+    make: Callable[[float], Baseline[Any]], share: float, stable: bool
 ) -> None:
-    # the hold lowers the limit by 4 %
-    settings = OperationalInverseDynamicsSettings(400.0, 20.0, share * 8000.0)
-    controller = OperationalInverseDynamicsController(POSE_INTERFACE, settings)
+    controller = make(share * 8000.0)  # the hold lowers the limit by 4 %
     goal = np.array([0.4, -0.15, 0.5])
     run = simulate(controller, goal + np.array([0.0, 1e-3, 0.0]), hold(goal), 2.2)
     error = np.abs(run.pose_error[:, 0, :3]).max(axis=1)
