@@ -49,13 +49,15 @@ class AdmittanceSettings(ForceSensingSettings):
 
 
 class AdmittanceController(OperationalBaseline[AdmittanceSettings]):
-    """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_t + K_D (ẋ_t - ẋ) + K_P (x_t - x), x_t = x_d - z.
+    """τ = B J_A⁺(a - J̇_A q̇) + n + Jᵀh_e, a = ẍ_t + K_D ẽ˙ + K_P ẽ + K_I ∫ẽ dt, ẽ = x_t - x, x_t = x_d - z.
 
     The compliant frame z obeys M_t z̈ + K_Dt ż + K_Pt z = h_A, h_A = (f_e, 0) by the tip on the surface, and
     is integrated exactly with the force held over a period; ẋ_t and ẍ_t come from it, not from differences.
     The torque compensates the contact force, so that the gains of the motion control are independent of the
-    compliance: stable for all positive ones, and held over a period dt for K_D dt < 2, K_P dt² < 2 K_D dt
-    (K_D dt < 1 with a one-step actuation delay). On a spring K the tip obeys
+    compliance: without integral action stable for all positive ones, and held over a period dt for
+    K_D dt < 2, K_P dt² < 2 K_D dt (K_D dt < 1 with a one-step actuation delay). Integral action, held while
+    an actuator is at its limit, removes what joint friction and errors of the model leave of ẽ, and needs
+    K_I < K_D K_P (Routh criterion; docs/theory.md gives the sampled limits). On a spring K the tip obeys
     M_t ẍ + K_Dt ẋ + (K_Pt + K) x = K_Pt x_d + K x_e, stable for any K; the held force is half a period old on
     average, which reduces K_Dt by about K dt/2.
 

@@ -26,8 +26,8 @@ The score of an episode is its return over its duration. Tables of scores show
   3. limit cycle: in the second half of the episode a deviation makes at least three full oscillations,
      and twice as many as the reference; in the last quarter they are larger than the tolerance of
      settling, and at least half as large as in the quarter before.
-  4. unsettled: the responses are not within the tolerances of settling over the last tenth, of the episode or, for
-     tasks whose tolerances say so, before the planned reference turns back.
+  4. unsettled: the responses are not within the tolerances of settling over the last tenth, of the
+     episode or, for tasks whose tolerances say so, before the planned reference turns back.
 """
 
 _METRIC_HEADERS = ("metric", "unit", "definition", "known as", "better", "requires")

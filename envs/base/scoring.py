@@ -2,10 +2,10 @@
 
 A response to a goal has settled within 2 % of the whole move, and at least within 1 mm; one to a moving
 reference or to a target model within 1 cm at the tip. Near a target model it also has to settle before the
-planned reference turns back: at the end, out of contact, a stiff arm is near every target, however far from it
-the arm was in contact. A force has settled within 5 % of the desired one, and at least within 0.2 N: the force
-sensor of scenario `realistic` has a bias of up to 0.1 N on each axis, 0.17 N along a normal that is oblique to
-all three, so that nobody can hold 1 N within 2 %.
+planned reference turns back: at the end, out of contact, a stiff arm is near every target, however far from
+it the arm was in contact. A force has settled within 5 % of the desired one, and at least within 0.2 N: the
+force sensor of scenario `realistic` has a bias of up to 0.1 N on each axis, 0.17 N along a normal that is
+oblique to all three, so that nobody can hold 1 N within 2 %.
 """
 
 from prp_gym.tasks.settling.displacements import ANGLE_CENTIMETRE, JOINT_CENTIMETRE, POSITION_CENTIMETRE

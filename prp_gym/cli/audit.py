@@ -38,11 +38,12 @@ from prp_gym.tables.formats import TERMINAL
 _DEFAULT_SCENARIOS = ["realistic"]
 _NOTE = (
     "rank correlation: Goodman and Kruskal's γ of the mean score with the smallness of each criterion, "
-    f"over every two policies that it distinguishes by more than {STANDARD_ERRORS:g} standard errors of their mean "
-    f"difference over the episodes, of at least {LEAST_POLICIES}; its 95 % interval is over episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode "
-    "that does not settle counts as the worst by every criterion. γ has to exceed "
-    f"{LEAST_CORRELATION:g}, and no policy of the best tenth by score may be in the worse half by a "
-    "criterion. Energies are shown for information."
+    f"over every two policies that it distinguishes by more than {STANDARD_ERRORS:g} standard errors of "
+    f"their mean difference over the episodes, of at least {LEAST_POLICIES}; its 95 % interval is over "
+    "episodes. Spearman's correlation stays below 1 where many policies are equally bad. An episode that "
+    f"does not settle counts as the worst by every criterion. γ has to exceed {LEAST_CORRELATION:g}, and no "
+    "policy of the best tenth by score may be in the worse half by a criterion. Energies are shown for "
+    "information."
 )
 
 

@@ -30,7 +30,7 @@ REPORTED = tuple(Criterion(name, np.inf, required=False) for name in ("excess_en
 """Criteria that are shown for information in every audit: a task may be worth its energy."""
 
 STANDARD_ERRORS = 2.0
-"""Standard errors of a mean difference over the episodes beyond which a criterion distinguishes two policies."""
+"""Standard errors of a mean difference over the episodes that set two policies apart by a criterion."""
 
 _CONFIDENCE = 0.95
 _RESAMPLES = 500  # about a dozen of them lie beyond each end of the interval

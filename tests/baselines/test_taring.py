@@ -94,7 +94,7 @@ def test_small_force_in_contact_is_not_tared_away() -> None:
 
 
 def test_tip_that_slides_along_the_surface_after_a_faint_touch_has_not_left_it() -> None:
-    """The force of the touch, 0.15 N, has noise of 0.05 N on every axis: its direction says little by itself."""
+    """The force of the touch, 0.15 N, has noise of 0.05 N on every axis: its direction says little."""
     along = np.array([0.0, 0.0, 1.0])
     for seed in range(40):
         readings = np.concatenate([noise(200, seed), 0.3 * INTO + noise(800, 100 + seed)])

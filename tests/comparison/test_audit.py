@@ -90,9 +90,9 @@ def test_cases_that_do_not_count_are_left_out_of_the_concordance() -> None:
 
 def test_values_are_distinguished_by_the_standard_error_of_their_difference_sample_by_sample() -> None:
     common = np.array([0.0, 10.0, 20.0, 30.0])  # of all rows, much larger than what sets them apart
-    first, second = common, common + [1.0, 2.0, 1.0, 2.0]
+    first, second = common, common + np.array([1.0, 2.0, 1.0, 2.0])
     # mean difference 1.5, variance (0.25 * 4)/3, standard error √(1/12) = 0.289: 5.2 standard errors
-    third = common + [3.0, -2.0, 0.0, 0.0]  # 0.25 with a standard error of 1.03
+    third = common + np.array([3.0, -2.0, 0.0, 0.0])  # 0.25 with a standard error of 1.03
     found = distinguished(np.stack([first, second, third]), 2.0)
     np.testing.assert_array_equal(found, [[0, 1, 0], [1, 0, 0], [0, 0, 0]])
     assert distinguished(np.stack([first, second]), 5.1)[0, 1]

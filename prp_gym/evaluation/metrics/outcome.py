@@ -23,8 +23,8 @@ class SettlingMetric(OutcomeMetric):
 def response_settling_time(rollout: Rollout) -> float:
     """When the responses of an episode come within the task's tolerances for good [s].
 
-    Infinite if they are not within them over the last tenth of the planned episode, as after a divergence, nor,
-    where the task asks for it, over the last tenth before its planned reference turns back.
+    Infinite if they are not within them over the last tenth of the planned episode, as after a divergence,
+    nor, where the task asks for it, over the last tenth before its planned reference turns back.
     """
     criterion = settling_of(rollout)
     if criterion is None or rollout.diverged:

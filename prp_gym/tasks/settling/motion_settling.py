@@ -26,7 +26,7 @@ class MotionSettling(SettlingCriterion):
         moving: Tolerance for a reference that moves [cm].
         resting: Least tolerance for a reference that rests [cm].
         share: Tolerance for a reference that rests, as a share of the whole move [1].
-        before_reversals: Whether the motion also has to settle before every reversal of the planned reference.
+        before_reversals: Whether the motion also has to settle before the planned reference turns back.
     """
 
     actual: str
