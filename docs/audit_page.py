@@ -8,6 +8,7 @@ from typing import Any
 from docs.tables import table
 from prp_gym.comparison.audit import LEAST_CORRELATION, LEAST_POLICIES, STANDARD_ERRORS
 from prp_gym.comparison.audit_jobs import UNAWARE
+from prp_gym.tasks.setup import MUJOCO
 
 SUMMARY = Path(__file__).resolve().parent.parent / "bench" / "audit.json"
 _DIGITS = 4
@@ -36,7 +37,13 @@ def audit_page() -> str:
     )
     if not audits:
         return text + "No results are stored.\n"
-    return f"{text}{_correlations(audits)}\n{_unaware(audits)}"
+    return f"{text}{_engines(audits)}{_correlations(audits)}\n{_unaware(audits)}"
+
+
+def _engines(audits: list[dict[str, Any]]) -> str:
+    """Which engines other than the reference simulated the episodes."""
+    names = sorted({audit.get("engine", MUJOCO) for audit in audits} - {MUJOCO})
+    return "".join(f"Simulated with the engine `{name}`.\n\n" for name in names)
 
 
 def _correlations(audits: list[dict[str, Any]]) -> str:

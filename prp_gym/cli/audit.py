@@ -7,6 +7,7 @@ import typer
 from prp_gym.cli.compiler_note import note_missing_compiler
 from prp_gym.cli.options import (
     Backend,
+    Engine,
     Environments,
     Episodes,
     Json,
@@ -34,6 +35,7 @@ from prp_gym.runs.run import Run
 from prp_gym.runs.selection import Selection
 from prp_gym.runs.workers import Workers
 from prp_gym.tables.formats import TERMINAL
+from prp_gym.tasks.setup import MUJOCO
 
 _DEFAULT_SCENARIOS = ["realistic"]
 _NOTE = (
@@ -55,6 +57,7 @@ def audit_command(
     draws: Annotated[
         int, typer.Option(help="Random gains in all for the controllers intended for an environment.", min=1)
     ] = 30,
+    engine: Engine = MUJOCO,
     output: RunOutput = None,
     name: RunName = "",
     form: TableFormat = TERMINAL,
@@ -77,7 +80,8 @@ def audit_command(
     terminal = Terminal.of(quiet, as_json, form)
     note_missing_compiler(terminal)
     with terminal.progress("trying out the controllers"):
-        listed = list_audit_jobs(selected, find_agents(selected.environment_ids, []), episodes, seed, draws)
+        agents = find_agents(selected.environment_ids, [])
+        listed = list_audit_jobs(selected, agents, episodes, seed, draws, engine)
     folder = ResultFolder.choose("audit", output, name, describe_jobs(listed), goes_on=resume)
     run = Run(folder.path, workers, selected.controllers, not resume, terminal)
     with run.hold(listed), folder.in_use():

@@ -29,6 +29,7 @@ from prp_gym.cli.options import (
 from prp_gym.console.activity import Activity
 from prp_gym.console.terminal import Terminal
 from prp_gym.errors import InvalidValueError, PRPError
+from prp_gym.evaluation.rollout import engine_suffix
 from prp_gym.processes.interruption import kept_if_interrupted
 from prp_gym.runs.result_folder import ResultFolder
 from prp_gym.runs.search import Search
@@ -144,8 +145,7 @@ def _table(results: Sequence[TunedController]) -> ResultTable:
         *(TableColumn("time of the search", ("s",)), prose_column("edges")),
     )
     rows = [_row(item) for item in sorted(results, key=lambda item: (item.environment, item.controller))]
-    engines = {item.engine for item in results} - {MUJOCO}
-    title = "validation of the searches" + "".join(f", engine {engine}" for engine in sorted(engines))
+    title = f"validation of the searches{engine_suffix(item.engine for item in results)}"
     return ResultTable.of(title, columns, rows)
 
 

@@ -18,6 +18,7 @@ from prp_gym.evaluation.resampling import cut_tails
 from prp_gym.evaluation.scoring import scoring_of
 from prp_gym.evaluation.statistics import Estimate
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.setup import MUJOCO
 from prp_gym.tasks.spec import Criterion
 
 LEAST_CORRELATION = 0.8
@@ -81,6 +82,7 @@ class Audit:
         policies: names of the policies.
         scores: mean score of each policy.
         findings: one for each criterion of the task, and for the metrics shown for information.
+        engine: name of the engine that simulated the episodes.
     """
 
     environment_id: str
@@ -88,6 +90,7 @@ class Audit:
     policies: tuple[str, ...]
     scores: tuple[float, ...]
     findings: tuple[Finding, ...]
+    engine: str = MUJOCO
 
     @property
     def holds(self) -> bool:
@@ -144,7 +147,8 @@ def _audit(condition: Condition, seed: int) -> Audit:
         if values is not None:
             findings.append(_finding(criterion, scores, values, drawn, names))
     means = tuple(scores.mean(axis=1).tolist())
-    return Audit(condition.environment_id, condition.scenario, names, means, tuple(findings))
+    of_condition = (condition.environment_id, condition.scenario)
+    return Audit(*of_condition, names, means, tuple(findings), condition.engine)
 
 
 def _values(condition: Condition, criterion: Criterion) -> Array | None:

@@ -26,6 +26,7 @@ from prp_gym.runs.evaluation_job import list_jobs, make_environment
 from prp_gym.runs.floor_job import FloorJob, list_floors
 from prp_gym.runs.job import Record, make_record
 from prp_gym.runs.selection import Selection
+from prp_gym.tasks.setup import MUJOCO
 from prp_gym.tuning import SearchSpace, start_gains
 
 UNAWARE = {spec.name: spec for group in (FLOORS, DEGENERATE) for spec in group.values()}
@@ -63,6 +64,7 @@ class RandomGainsJob:
         scenario: name of the scenario.
         episodes: number of episodes.
         seed: random seed of the first episode.
+        engine: engine of the environment.
     """
 
     controller: str
@@ -71,6 +73,7 @@ class RandomGainsJob:
     scenario: str
     episodes: int
     seed: int
+    engine: str = MUJOCO
 
     @property
     def name(self) -> str:
@@ -79,7 +82,7 @@ class RandomGainsJob:
 
     def run(self, controllers: Controllers) -> Record:
         """See `Job.run`."""
-        with closing(make_environment(self.environment_id, self.scenario, FREQUENCY)) as env:
+        with closing(make_environment(self.environment_id, self.scenario, FREQUENCY, self.engine)) as env:
             policy = self._draw(CONTROLLERS.find(self.controller), env)
             evaluation = evaluate(policy, env, self.episodes, self.seed)
         name = f"{self.controller} (random {self.draw})"
@@ -107,7 +110,12 @@ AuditJob = ControllerJob | VariedJob | UnawareJob | RandomGainsJob | AgentJob
 
 
 def list_audit_jobs(
-    selected: Selection, agents: Sequence[AgentFile], episodes: int, seed: int, draws: int
+    selected: Selection,
+    agents: Sequence[AgentFile],
+    episodes: int,
+    seed: int,
+    draws: int,
+    engine: str = MUJOCO,
 ) -> list[AuditJob]:
     """In each condition the controllers with all their gain sets, random gains, floors, exploits and agents.
 
@@ -117,26 +125,29 @@ def list_audit_jobs(
         episodes: number of episodes of each job.
         seed: random seed of the first episode, and of the random gains.
         draws: number of random gains in all for the controllers that are intended for an environment.
+        engine: engine of all environments, also of the agents'.
 
     Raises:
         PRPError: see `list_jobs`.
     """
     jobs: list[AuditJob] = []
     for environment_id, scenario in selected.conditions:
-        where = (environment_id, scenario, episodes, seed)
-        own = list_jobs(
-            [(environment_id, scenario)], selected.choices, selected.controllers, FREQUENCY, episodes, seed
-        )
+        where, choices = [(environment_id, scenario)], selected.choices
+        own = list_jobs(where, choices, selected.controllers, FREQUENCY, episodes, seed, engine)
         jobs += [ControllerJob(**vars(job)) for job in own]
         jobs += [item for job in own for item in list_varied(job, selected.controllers)]
-        unaware = list_floors([(environment_id, scenario)], FREQUENCY, episodes, seed, UNAWARE)
+        unaware = list_floors(where, FREQUENCY, episodes, seed, UNAWARE, engine)
         jobs += [UnawareJob(**vars(job)) for job in unaware]
         names = [job.controller.name for job in own if job.controller.name in CONTROLLERS]
         intended = [name for name in names if environment_id in CONTROLLERS.find(name).data.intended]
         jobs += [
-            RandomGainsJob(name, draw, *where)
+            RandomGainsJob(name, draw, environment_id, scenario, episodes, seed, engine)
             for name in intended
             for draw in range(-(-draws // len(intended)))
         ]
-        jobs += [AgentJob(agent, *where[1:]) for agent in agents if agent.environment_id == environment_id]
+        jobs += [
+            AgentJob(agent, scenario, episodes, seed, engine)
+            for agent in agents
+            if agent.environment_id == environment_id
+        ]
     return jobs

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from prp_gym.comparison.audit import Audit, Finding
+from prp_gym.evaluation.rollout import engine_suffix
 from prp_gym.tables import ABSENT, Cell, ResultTable, TableColumn
 from prp_gym.tables.column import interval_column, text_column
 from prp_gym.tables.matrix import id_cell
@@ -21,10 +22,11 @@ _CRITERIA = (
 )
 
 
-def audit_table(audits: Iterable[Audit]) -> ResultTable:
+def audit_table(audits: Sequence[Audit]) -> ResultTable:
     """The correlation of the score with every criterion."""
+    title = f"score against the criteria of the tasks{engine_suffix(item.engine for item in audits)}"
     rows = [_finding(item, finding) for item in audits for finding in item.findings]
-    return ResultTable.of("score against the criteria of the tasks", _CRITERIA, rows)
+    return ResultTable.of(title, _CRITERIA, rows)
 
 
 def _finding(item: Audit, finding: Finding) -> tuple[Cell | str, ...]:

@@ -1,6 +1,6 @@
 """A recorded episode, and the protocol of policies."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -153,8 +153,12 @@ class Rollout:
 
 def condition_name(environment_id: str, scenario: str, engine: str) -> str:
     """Environment and scenario for the title of a table, with the engine where it is not the reference."""
-    simulated = "" if engine == MUJOCO else f", engine {engine}"
-    return f"{environment_id}, scenario {scenario}{simulated}"
+    return f"{environment_id}, scenario {scenario}{engine_suffix([engine])}"
+
+
+def engine_suffix(engines: Iterable[str]) -> str:
+    """The engines that are not the reference, for the end of a table's title."""
+    return "".join(f", engine {engine}" for engine in sorted({*engines} - {MUJOCO}))
 
 
 def _with_last(values: Array) -> Array:

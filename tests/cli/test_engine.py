@@ -33,6 +33,7 @@ act, over the periods of an episode with stable control."""
 COMMANDS = {
     "evaluate": ["evaluate", "--env", TRACKING],
     "compare": ["compare", "--env", TRACKING],
+    "audit": ["audit", "--env", TRACKING],
     "tune": ["tune", "joint_pd", "--env", TRACKING, "--budget", "100"],
     "tune-all": ["tune-all", "--env", TRACKING],
     "train": ["train", TRACKING],
