@@ -14,7 +14,7 @@ from prp_gym.errors import DataFileError, InvalidValueError, MissingPackageError
 from prp_gym.files.checksum import KEY
 from prp_gym.tuning.candidates import Space
 from prp_gym.tuning.journal import JOURNAL, KEY_OF_SEARCH, SLOPES, STUDY_NAME, read_key, trial_checksum
-from prp_gym.tuning.local_step import is_local, local_step
+from prp_gym.tuning.local_step import is_local, is_of_few, local_step
 from prp_gym.tuning.search_space import Parameter
 from prp_gym.tuning.trial import Trial
 from prp_gym.tuning.widening import Ranges, ranges_after
@@ -44,7 +44,7 @@ class StoredStudy:
     The first candidate is the centre of the space. Of the others, one in six comes from Optuna's sampler
     (TPE), which looks everywhere and learns from all trials; five are steps from the best one so
     far, since in many dimensions a small budget finds little that is better than gains already good but near
-    them. The ranges of the factors grow where the best candidate lies at their edge; see `ranges_after`.
+    them. Two of these five change few of the factors, but by much. The ranges of the factors grow where the best candidate lies at their edge; see `ranges_after`.
 
     Candidates come in rounds of four, which are run side by side since that takes little longer than one. The
     proposals of a round depend on the trials before it and on the seed alone: a search that was killed and
@@ -119,7 +119,7 @@ class StoredStudy:
     ) -> dict[str, float]:
         seeds = np.random.SeedSequence((self.seed, index))
         if is_local(index):
-            return local_step(parameters, known, np.random.default_rng(seeds))
+            return local_step(parameters, known, np.random.default_rng(seeds), is_of_few(index))
         return self._sample(parameters, known, int(seeds.generate_state(1)[0]))
 
     def _sample(self, parameters: Sequence[Parameter], known: Sequence[Trial], seed: int) -> dict[str, float]:

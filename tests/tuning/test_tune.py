@@ -32,7 +32,7 @@ from prp_gym.tuning import (
     tune,
 )
 from prp_gym.tuning.journal import JOURNAL
-from prp_gym.tuning.local_step import is_local, local_step, step_length
+from prp_gym.tuning.local_step import is_local, is_of_few, local_step, step_length
 from prp_gym.tuning.widening import NO_LIMIT
 from tests.support.full_disk import room_for
 
@@ -276,10 +276,10 @@ def test_step_grows_with_success_and_shrinks_without() -> None:
     assert [is_local(index) for index in range(8)] == [False, True, True, True, True, True, False, True]
     assert length([0.5]) == 0.3
     assert length([0.5, 0.6]) == pytest.approx(0.45)
-    assert length([0.5, 0.6, 0.7, 0.7, 0.7, 0.7, 0.9]) == pytest.approx(
-        0.3 * 1.5**1.25
-    )  # the last is not a step
-    assert length([0.5, 0.4, 0.4, 0.4, 0.4, 0.6]) == pytest.approx(0.3)  # four failures, a success
+    # a success, two failures; the third and the sixth change few factors, and the last is not a step
+    assert length([0.5, 0.6, 0.7, 0.7, 0.7, 0.8, 0.9]) == pytest.approx(0.3 * 1.5**0.5)
+    assert [is_of_few(index) for index in range(7)] == [False, False, True, False, False, True, False]
+    assert length([0.5, 0.4, 0.4, 0.4, 0.4, 0.6, 0.4, 0.4]) == pytest.approx(0.3 / 1.5)  # four failures
     assert length([0.5] * 300) == 0.02
     assert length([float(index) for index in range(300)]) == 1.0
 
@@ -296,6 +296,20 @@ def test_step_starts_from_the_best_candidate() -> None:
     # 1400 draws, cut at 0.051, of which 57 to 60 % lie below it: below 0 their median is -0.674 lengths
     assert np.median(logs[logs < 0]) == pytest.approx(-0.674 * step_length(trials), rel=0.15)
     assert len(inside) > logs.size / 2
+
+
+def test_step_of_few_factors_leaves_the_others_as_they_are() -> None:
+    parameters = tuple(replace(item, low=0.01, high=100.0) for item in SPACE.parameters)
+    best = dict.fromkeys(SPACE.start, 1.2)
+    trials = [Trial(SPACE.start, 0.2, 1, 0.0), Trial(best, 0.3, 1, 0.0)]
+    generators = [np.random.default_rng(seed) for seed in range(300)]
+    logs = np.log([list(local_step(parameters, trials, rng, few=True).values()) for rng in generators])
+    moved = np.abs(logs - np.log(1.2)) > 1e-12
+    assert (moved.sum(axis=1) == -(-len(parameters) // 3)).all()
+    # each factor as often as any other: 3 of 7 in 300 steps, four standard deviations of 8.6
+    np.testing.assert_allclose(moved.sum(axis=0), 300 * 3 / 7, atol=35)
+    # a standard deviation of 1, of about 900 draws: its error is 1/sqrt(1800)
+    assert np.std((logs - np.log(1.2))[moved]) == pytest.approx(1.0, abs=0.1)
 
 
 CHILD = """
