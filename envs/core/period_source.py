@@ -1,6 +1,6 @@
 """The C source of control periods: actuators, sensors, errors and reward, traced, around the physics."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -64,6 +64,7 @@ class PeriodSource:
             "largest_state": LARGEST_STATE,
             "physics": int(isinstance(loop.physics, CompiledSimulation)),
         }
+        self._fields = task.ground_truth_layout.slices
         self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
         self.numbers = numbers_of(self._parts, CONSTANTS)
         self.references: ReferenceRows | None = None
@@ -77,7 +78,8 @@ class PeriodSource:
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
         sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())
         loop = _HAND_WRITTEN.read_text(encoding="utf-8")
-        return "\n".join(["#include <string.h>", physics, sizes, PLAN, *map(c_function, functions), loop])
+        texts = [*map(c_function, functions), _record_fields(self._fields.values())]
+        return "\n".join(["#include <string.h>", physics, sizes, PLAN, *texts, loop])
 
     def _traced_reference(self, task: Any) -> list[SymbolicFunction]:
         """From time to reference, see `references`."""
@@ -145,3 +147,14 @@ class PeriodSource:
         before = [attributes(owner) for owner in parts.owners]
         yield lambda: self.rows.read(parts.owners)
         self.rows.require_unchanged(parts.owners, before)
+
+
+def _record_fields(parts: Iterable[slice]) -> str:
+    """A C function that records the fields of a ground truth at one of so many times, each field by itself."""
+    copies = (
+        f"    memcpy(kept + {part.start} * times + {part.stop - part.start} * at, present + {part.start},"
+        f" {part.stop - part.start} * sizeof *kept);\n"
+        for part in parts
+    )
+    head = "static inline void prp_record_fields(const double *present, long times, long at, double *kept)"
+    return f"{head}\n{{\n{''.join(copies)}}}\n"
