@@ -150,7 +150,7 @@ class PeriodSource:
 
 
 def _record_fields(parts: Iterable[slice]) -> str:
-    """A C function that records the fields of a ground truth at one of so many times, each field by itself."""
+    """A C function that records a ground truth at one of so many times, each field by itself."""
     copies = (
         f"    memcpy(kept + {part.start} * times + {part.stop - part.start} * at, present + {part.start},"
         f" {part.stop - part.start} * sizeof *kept);\n"

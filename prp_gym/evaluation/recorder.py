@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from prp_gym.envs.core.episode_record import EpisodeRecord
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.episode_record import EpisodeRecord
 
 
 class Recorder:
