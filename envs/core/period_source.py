@@ -1,6 +1,6 @@
 """The C source of control periods: actuators, sensors, errors and reward, traced, around the physics."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -85,11 +85,7 @@ class PeriodSource:
         """From time to reference, see `references`."""
         with suppress(UntraceableError):
             rows = ReferenceRows(task.parts.reference)
-
-            def refer(clock: Any, period: Any, row: Any) -> Mapping[str, Any]:
-                return {"reference": rows.formula(row).sample(clock * period)}
-
-            function = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
+            function = _traced_rows(rows)
             if self._sizes["physics"] or has_bits_of_numpy(function):
                 self.references = rows
                 return [function]
@@ -147,6 +143,26 @@ class PeriodSource:
         before = [attributes(owner) for owner in parts.owners]
         yield lambda: self.rows.read(parts.owners)
         self.rows.require_unchanged(parts.owners, before)
+
+
+def _traced_rows(rows: ReferenceRows) -> SymbolicFunction:
+    """From time to reference; traced once for all references of one kind."""
+
+    def refer(clock: Any, period: Any, row: Any) -> Mapping[str, Any]:
+        return {"reference": rows.formula(row).sample(clock * period)}
+
+    kind = rows.kind(CONSTANTS)
+    known = _KNOWN.get(kind)
+    if known is None:
+        known = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
+        while len(_KNOWN) >= _MOST_KNOWN:
+            _KNOWN.pop(next(iter(_KNOWN)), None)
+        _KNOWN[kind] = known
+    return known
+
+
+_KNOWN: dict[Hashable, SymbolicFunction] = {}
+_MOST_KNOWN = 64
 
 
 def _record_fields(parts: Iterable[slice]) -> str:
