@@ -43,7 +43,7 @@ def shared(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]
         key = function, *map(id, arguments)
         found = known.get(key)
         if found is None:  # the arguments are kept, so that no identity is used twice
-            found = known[key] = arguments, function(*arguments)
+            found = known[key] = arguments, function(*arguments, **more)
         result: Result = found[1]
         return result
 

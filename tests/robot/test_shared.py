@@ -63,10 +63,15 @@ def test_contexts_within_one_another_and_threads_share_nothing() -> None:
         assert doubled(values) is outer
 
 
-def test_an_error_ends_the_context() -> None:
-    values = np.arange(3.0)
-    with pytest.raises(KeyError), sharing():
+def fail_after_sharing(values: Array) -> None:
+    with sharing():
         doubled(values)
         raise KeyError
+
+
+def test_an_error_ends_the_context() -> None:
+    values = np.arange(3.0)
+    with pytest.raises(KeyError):
+        fail_after_sharing(values)
     doubled(values)
     assert len(CALLS) == 2
