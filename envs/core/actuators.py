@@ -54,6 +54,10 @@ class IdealActuators(Actuators):
         """See `Actuators.apply`: the command itself."""
         return command
 
+    def without_noise(self) -> Self:
+        """See `Actuators.without_noise`: they have none."""
+        return self
+
     def noise_ahead(self, periods: int) -> Array | None:
         """See `Actuators.noise_ahead`: none."""
         return None
@@ -108,6 +112,9 @@ class RealisticActuators(Actuators):
         return applied
 
 
+_IDEAL = IdealActuators()  # one for all, so that compiled code is known to serve all
+
+
 def make_actuators(scenario: Scenario, nominal_limit: Array, num_envs: int) -> Actuators:
     """Make the actuators of a scenario.
 
@@ -117,5 +124,5 @@ def make_actuators(scenario: Scenario, nominal_limit: Array, num_envs: int) -> A
         num_envs: Number of environments N.
     """
     if scenario.delay_steps == 0 and scenario.torque_noise == 0.0:
-        return IdealActuators()
+        return _IDEAL
     return RealisticActuators(scenario, nominal_limit, num_envs)

@@ -42,7 +42,7 @@ static inline int prp_tape_period(
         return 0;
     memcpy(now->action, action, joints);
     memcpy(now->before, plan->memory + PRP_MEMORY * row, memory);
-    prp_before(plan, row, at, row);
+    prp_before(plan, row, at);
     memcpy(now->between, plan->memory + PRP_MEMORY * row, memory);
     memcpy(now->command, plan->command + PRP_JOINTS * row, joints);
     memcpy(now->saturated, plan->saturated + PRP_JOINTS * row, joints);
@@ -57,7 +57,7 @@ static inline int prp_tape_period(
     prp_advance(
         row, 1, NULL, still, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
         plan->measured, plan->beyond, plan->lost);
-    prp_after(plan, row, at, row);
+    prp_after(plan, row, at);
     memcpy(now->reference, plan->reference + PRP_REFERENCE * row, sizeof now->reference);
     memcpy(now->measured, plan->measured + PRP_MEASURED * row, sizeof now->measured);
     memcpy(now->beyond, plan->beyond + PRP_JOINTS * row, joints);

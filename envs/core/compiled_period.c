@@ -24,12 +24,6 @@ static inline void prp_refer_at(const prp_plan *plan, long row, long at)
 #endif
 }
 
-/* The row of what is recorded of a period, the k-th from 0. */
-static inline long prp_recorded_at(const prp_plan *plan, long row, long k)
-{
-    return plan->record ? row * plan->periods + k : row;
-}
-
 /* Let the controller choose the action of one environment. */
 static inline void prp_control(const prp_plan *plan, long row)
 {
@@ -42,21 +36,21 @@ static inline void prp_control(const prp_plan *plan, long row)
 
 /* What comes before the physics in a period of one environment: from its action to the torques.
 
-   at: row of the period and environment in what is given for every period; to: in what is recorded. */
-static inline void prp_before(const prp_plan *plan, long row, long at, long to)
+   at: row of the period and environment in what is given for every period. */
+static inline void prp_before(const prp_plan *plan, long row, long at)
 {
     static const double none[PRP_JOINTS];
     double *memory = plan->memory + PRP_MEMORY * row, *torque = plan->torque + PRP_JOINTS * row;
     double after[PRP_MEMORY + 1];
     prp_actuate(
         plan->action + PRP_JOINTS * row, plan->noise ? plan->noise + PRP_JOINTS * at : none, memory,
-        plan->task_numbers, plan->command + PRP_JOINTS * to, torque, plan->saturated + PRP_JOINTS * row, after);
+        plan->task_numbers, plan->command + PRP_JOINTS * row, torque, plan->saturated + PRP_JOINTS * row, after);
     memcpy(memory, after, sizeof(double) * PRP_MEMORY);
-    memcpy(plan->applied + PRP_JOINTS * to, torque, sizeof(double) * PRP_JOINTS);
+    memcpy(plan->applied + PRP_JOINTS * row, torque, sizeof(double) * PRP_JOINTS);
 }
 
 /* What comes after the physics: from the measurement to observation, reward and info. */
-static inline void prp_after(const prp_plan *plan, long row, long at, long to)
+static inline void prp_after(const prp_plan *plan, long row, long at)
 {
     static const double none[3];
     double *memory = plan->memory + PRP_MEMORY * row, after[PRP_MEMORY + 1];
@@ -66,10 +60,10 @@ static inline void prp_after(const prp_plan *plan, long row, long at, long to)
     prp_refer_at(plan, row, at);
     prp_judge(
         plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row,
-        plan->command + PRP_JOINTS * to, plan->saturated + PRP_JOINTS * row, plan->clock + row,
+        plan->command + PRP_JOINTS * row, plan->saturated + PRP_JOINTS * row, plan->clock + row,
         plan->beyond + PRP_JOINTS * row, &ended, plan->error ? plan->error + 3 * at : none, memory,
-        plan->task_numbers, plan->ground_truth + PRP_GROUND_TRUTH * to, plan->observation + PRP_OBSERVED * row,
-        plan->reward + to, plan->info + PRP_INFO * to, &truncated, after);
+        plan->task_numbers, plan->ground_truth + PRP_GROUND_TRUTH * row, plan->observation + PRP_OBSERVED * row,
+        plan->reward + row, plan->info + PRP_INFO * row, &truncated, after);
     plan->truncated[row] = truncated != 0.0;
     memcpy(memory, after, sizeof(double) * PRP_MEMORY);
 }
@@ -86,11 +80,28 @@ static inline void prp_add_up(const prp_plan *plan, long row, long k)
     }
 }
 
-/* Add the results of the last period to those of the episode and of a step over several periods. */
-static inline void prp_sum_up(const prp_plan *plan, long row, long k, long to)
+/* Record the last period, the k-th from 0; see `EpisodeRecord`. */
+static inline void prp_record(const prp_plan *plan, long row, long k)
 {
+    const double *info = plan->info + PRP_INFO * row;
+    double *kept = plan->recorded_info + PRP_INFO * plan->periods * row + k;
+    const size_t joints = sizeof(double) * PRP_JOINTS, to = PRP_JOINTS * (plan->periods * row + k);
+    prp_record_fields(
+        plan->ground_truth + PRP_GROUND_TRUTH * row, plan->periods + 1, k + 1,
+        plan->recorded_fields + PRP_GROUND_TRUTH * (plan->periods + 1) * row);
+    memcpy(plan->recorded_command + to, plan->command + PRP_JOINTS * row, joints);
+    memcpy(plan->recorded_applied + to, plan->applied + PRP_JOINTS * row, joints);
+    for (int i = 0; i < PRP_INFO; i++)
+        kept[plan->periods * i] = info[i];
+}
+
+/* Record the last period, and add its results to those of the episode and of a step over several periods. */
+static inline void prp_sum_up(const prp_plan *plan, long row, long k)
+{
+    if (plan->recorded_fields)
+        prp_record(plan, row, k);
     if (plan->total)
-        plan->total[row] += plan->reward[to];
+        plan->total[row] += plan->reward[row];
     if (plan->shares)
         prp_add_up(plan, row, k);
 }
@@ -106,15 +117,14 @@ int prp_actions_are_finite(const prp_plan *plan)
 void prp_command(const prp_plan *plan, long k)
 {
     for (long row = 0; row < plan->rows; row++)
-        prp_before(plan, row, k * plan->rows + row, prp_recorded_at(plan, row, k));
+        prp_before(plan, row, k * plan->rows + row);
 }
 
 void prp_score(const prp_plan *plan, long k)
 {
     for (long row = 0; row < plan->rows; row++) {
-        const long to = prp_recorded_at(plan, row, k);
-        prp_after(plan, row, k * plan->rows + row, to);
-        prp_sum_up(plan, row, k, to);
+        prp_after(plan, row, k * plan->rows + row);
+        prp_sum_up(plan, row, k);
     }
 }
 
@@ -148,13 +158,13 @@ int prp_run(long first, long count, const prp_plan *plan)
                 plan->ended[row] = -(k + 1);
                 break;
             }
-            const long at = k * plan->rows + row, to = prp_recorded_at(plan, row, k);
-            prp_before(plan, row, at, to);
+            const long at = k * plan->rows + row;
+            prp_before(plan, row, at);
             within = prp_advance(
                 row, 1, NULL, plan->world, plan->position, plan->velocity, plan->torque, plan->plants, plan->surfaces,
                 plan->measured, plan->beyond, plan->lost);
-            prp_after(plan, row, at, to);
-            prp_sum_up(plan, row, k, to);
+            prp_after(plan, row, at);
+            prp_sum_up(plan, row, k);
             if (plan->lost[row])
                 plan->ended[row] = k + 1;
         }

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.core.argument_checks import clip_actions
-from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_plan import LARGEST_STATE, PeriodPlan, Plan
 from prp_gym.envs.core.period_source import PeriodSource
@@ -16,6 +15,7 @@ from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
+from prp_gym.tasks.episode_record import EpisodeRecord, EpisodeTotals
 
 
 class CompiledPeriods:
@@ -207,17 +207,10 @@ class CompiledPeriods:
         Raises:
             UntraceableError: a controller whose state is too large.
         """
-        loop = self._loop
-        record = EpisodeRecord.of(loop, loop.config.horizon)
+        record, memory = EpisodeRecord.of(self._loop, self._loop.config.horizon)
         self._give_controller(controller, observation)
-        self._set({"ground_truth": record.ground_truth, "command": record.command, "info": record.info})
-        self._set({"applied": record.applied, "reward": np.empty(record.info.shape[:2])})
-        self._set({"ended": record.ended})
-        self.given.plan.record = 1
-        if not self.run(self.given) or (record.ended < 0).any():
-            return None
-        start = loop.ground_truth[:, None]
-        return record._replace(ground_truth=np.concatenate([start, record.ground_truth], axis=1))
+        self._set(memory)
+        return record if self.run(self.given) and (record.ended >= 0).all() else None
 
     def score_episodes(self, controller: Any, observation: Array) -> EpisodeTotals | None:
         """Run whole episodes with compiled controllers, without a record; then all have to be reset.

@@ -1,6 +1,7 @@
 """`PeriodParts`: the parts whose formulas make up a control period."""
 
 import copy
+from collections.abc import Hashable
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -10,6 +11,7 @@ from prp_gym.envs.core.sensors import Sensors
 from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import UntraceableError
 from prp_gym.robot.arrays import Array
+from prp_gym.symbolic.lifting import numbers_of, structure_of
 from prp_gym.symbolic.state_arrays import StateRows
 from prp_gym.tasks.parts import ErrorFunction, Reference, TaskParts
 from prp_gym.tasks.trajectory import Trajectory
@@ -70,10 +72,27 @@ class ReferenceRows:
                 raise UntraceableError(
                     f"{type(reference).__name__}.{name} is not among its state_arrays and cannot be traced."
                 )
-        self._formulas = copy.copy(reference)
         self._arrays = StateRows((reference,))
         self._shapes = {name: value.shape[1:] for name, value in vars(reference.trajectory).items()}
         self.size = self.read(reference).shape[1]
+        self._formulas: Any = copy.copy(reference)
+        self._formulas._trajectory = copy.copy(reference.trajectory)
+        for name in self._shapes:
+            object.__setattr__(self._formulas.trajectory, name, None)
+        self._arrays.clear((self._formulas,))
+
+    def kind(self, constants: tuple[type, ...]) -> Hashable:
+        """What tells the formula from those of other references.
+
+        Args:
+            constants: Classes of objects whose numbers are constants.
+
+        Raises:
+            UntraceableError: a reference that holds something of which this cannot be told.
+        """
+        numbers = numbers_of(self._formulas, constants).tobytes()
+        layout = tuple(self._shapes.items()), tuple(map(repr, self._arrays.arrays))
+        return structure_of(self._formulas, constants), numbers, layout
 
     def read(self, reference: Reference) -> Array:
         """The rows (N, size) of the references."""
@@ -84,7 +103,7 @@ class ReferenceRows:
 
     def formula(self, row: Any) -> Reference:
         """A reference of one environment, of symbolic numbers (1, size)."""
-        made: Any = copy.copy(self._formulas)
+        made = copy.copy(self._formulas)
         trajectory: Trajectory = copy.copy(made.trajectory)
         first = 0
         for name, shape in self._shapes.items():

@@ -16,10 +16,11 @@ _ARRAYS = (
     *("noise", "error", "sampled", "reference"),
     *("clock", "memory", "state", "action", "saturated", "observation"),
     *("ground_truth", "command", "applied", "info", "reward", "total"),
+    *("recorded_fields", "recorded_command", "recorded_applied", "recorded_info"),
     *("shares", "added", "step_info", "step_reward"),
 )
 _OTHERS = ("controller", "world", "lost", "waiting", "ended", "truncated")
-_COUNTS = ("rows", "periods", "record", "state_size", "input_size", "numbers_size")
+_COUNTS = ("rows", "periods", "state_size", "input_size", "numbers_size")
 
 
 class Plan(ctypes.Structure):
@@ -34,7 +35,6 @@ class Plan(ctypes.Structure):
         truncated: whether the duration of the episode is over.
         rows: number of environments.
         periods: number of periods.
-        record: whether every period is recorded.
         state_size: size of the controller's state.
         input_size: size of an environment's input to the controller.
         numbers_size: distance between the controller's numbers of two environments, 0 if they share them.
@@ -54,12 +54,17 @@ class Plan(ctypes.Structure):
         action: actions.
         saturated: whether an action is at a limit of its actuator, 0 or 1.
         observation: observations.
-        ground_truth: recorded ground truth, of every period in the rows of an environment.
-        command: recorded torque command.
-        applied: recorded applied torques.
-        info: recorded `info`.
-        reward: recorded reward.
+        ground_truth: ground truth of the last period.
+        command: torque command of the last period.
+        applied: applied torques of the last period.
+        info: `info` of the last period.
+        reward: reward of the last period.
         total: sum of each environment's rewards, to which every period adds its own; null for none.
+        recorded_fields: fields of the ground truth at the start and after every period; see `EpisodeRecord`,
+            as for the other recorded arrays, all of which are null where nothing is recorded.
+        recorded_command: torque commands.
+        recorded_applied: applied torques.
+        recorded_info: numbers of `info`.
         shares: factors of each number of `info`, then that of the reward, in the results of a step over all
             periods; null where these are not computed.
         added: whether such a result is the sum over the periods, 0 or 1, for each number of `info`; the

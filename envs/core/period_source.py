@@ -1,6 +1,6 @@
 """The C source of control periods: actuators, sensors, errors and reward, traced, around the physics."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -64,6 +64,7 @@ class PeriodSource:
             "largest_state": LARGEST_STATE,
             "physics": int(isinstance(loop.physics, CompiledSimulation)),
         }
+        self._fields = task.ground_truth_layout.slices
         self._kind = tuple(self._sizes.items()), tuple(map(repr, self.rows.arrays))
         self.numbers = numbers_of(self._parts, CONSTANTS)
         self.references: ReferenceRows | None = None
@@ -77,17 +78,14 @@ class PeriodSource:
     def _source(self, physics: str, functions: Sequence[SymbolicFunction]) -> str:
         sizes = "".join(f"#define PRP_{name.upper()} {size}\n" for name, size in self._sizes.items())
         loop = _HAND_WRITTEN.read_text(encoding="utf-8")
-        return "\n".join(["#include <string.h>", physics, sizes, PLAN, *map(c_function, functions), loop])
+        texts = [*map(c_function, functions), _record_fields(self._fields.values())]
+        return "\n".join(["#include <string.h>", physics, sizes, PLAN, *texts, loop])
 
     def _traced_reference(self, task: Any) -> list[SymbolicFunction]:
         """From time to reference, see `references`."""
         with suppress(UntraceableError):
             rows = ReferenceRows(task.parts.reference)
-
-            def refer(clock: Any, period: Any, row: Any) -> Mapping[str, Any]:
-                return {"reference": rows.formula(row).sample(clock * period)}
-
-            function = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
+            function = _traced_rows(rows)
             if self._sizes["physics"] or has_bits_of_numpy(function):
                 self.references = rows
                 return [function]
@@ -145,3 +143,34 @@ class PeriodSource:
         before = [attributes(owner) for owner in parts.owners]
         yield lambda: self.rows.read(parts.owners)
         self.rows.require_unchanged(parts.owners, before)
+
+
+def _traced_rows(rows: ReferenceRows) -> SymbolicFunction:
+    """From time to reference; traced once for all references of one kind."""
+
+    def refer(clock: Any, period: Any, row: Any) -> Mapping[str, Any]:
+        return {"reference": rows.formula(row).sample(clock * period)}
+
+    kind = rows.kind(CONSTANTS)
+    known = _KNOWN.get(kind)
+    if known is None:
+        known = trace("prp_refer", refer, {"clock": (1,), "period": (1,), "row": (1, rows.size)})
+        while len(_KNOWN) >= _MOST_KNOWN:
+            _KNOWN.pop(next(iter(_KNOWN)), None)
+        _KNOWN[kind] = known
+    return known
+
+
+_KNOWN: dict[Hashable, SymbolicFunction] = {}
+_MOST_KNOWN = 64
+
+
+def _record_fields(parts: Iterable[slice]) -> str:
+    """A C function that records a ground truth at one of so many times, each field by itself."""
+    copies = (
+        f"    memcpy(kept + {part.start} * times + {part.stop - part.start} * at, present + {part.start},"
+        f" {part.stop - part.start} * sizeof *kept);\n"
+        for part in parts
+    )
+    head = "static inline void prp_record_fields(const double *present, long times, long at, double *kept)"
+    return f"{head}\n{{\n{''.join(copies)}}}\n"

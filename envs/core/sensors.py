@@ -57,6 +57,10 @@ class IdealSensors(Sensors):
     def read(self, observation: Array) -> None:
         """See `Sensors.read`: the true values stay."""
 
+    def without_noise(self) -> Self:
+        """See `Sensors.without_noise`: they have none."""
+        return self
+
     def errors_ahead(self, periods: int) -> Array | None:
         """See `Sensors.errors_ahead`: none."""
         return None
@@ -112,9 +116,12 @@ class NoisyForceSensor(Sensors):
         observation[:, self._force_index] += np.zeros(3) if error is None else error
 
 
+_IDEAL = IdealSensors()  # one for all, so that compiled code is known to serve all
+
+
 def make_sensors(scenario: Scenario, layout: ObservationLayout, num_envs: int) -> Sensors:
     """Make the sensors of a scenario; an observation without a contact force has no sensor errors."""
     exact = scenario.force_noise == 0.0 and scenario.force_bias == 0.0
     if exact or _FORCE not in layout.names:
-        return IdealSensors()
+        return _IDEAL
     return NoisyForceSensor(scenario, layout.index(_FORCE), num_envs)

@@ -6,6 +6,7 @@ from prp_gym.evaluation.response import oscillates_for_good
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.evaluation.scoring import Settling, settling_of
 from prp_gym.robot.arrays import Array
+from prp_gym.tasks.settling.directions import magnitude
 
 FAILURES = ("diverged", "excess force", "limit cycle", "unsettled")
 """Kinds of failure; an episode has the first that applies."""
@@ -61,5 +62,4 @@ def _presses_too_hard(rollout: Rollout) -> bool:
     force, desired = (rollout.fields.get(name) for name in ("contact_force", "desired_force"))
     if force is None or desired is None:
         return bool(np.any(rollout.info.get("cost_force_bound", 0.0)))
-    magnitude = np.sqrt((force**2).sum(axis=-1))
-    return bool((magnitude > MOST_FORCE * np.sqrt((desired**2).sum(axis=-1))).any())
+    return bool((magnitude(force) > MOST_FORCE * magnitude(desired)).any())

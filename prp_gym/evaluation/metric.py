@@ -105,8 +105,8 @@ class Metric:
 
     def exists(self, rollout: Rollout) -> bool:
         """Whether an episode has all that the metric requires."""
-        costs = {name for name in rollout.info if name.startswith("cost_")}
-        return costs.union(rollout.fields).issuperset(self.requires)
+        fields, info = rollout.fields, rollout.info
+        return all(name in fields or (name in info and name.startswith("cost_")) for name in self.requires)
 
     def components(self, rollout: Rollout) -> int:
         """How many numbers the metric of an episode has."""

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.robot.arrays import Array, norm
+from prp_gym.robot.shared import shared
 
 SETTLING_BAND = 0.02
 """Share of the step within which a response counts as settled."""
@@ -23,6 +24,12 @@ def root_mean_square(values: Array) -> Array:
     """√(mean over time of the squares): (..., T, d) -> (..., d), same units."""
     mean: Array = np.sqrt(np.mean(values**2, axis=-2))
     return mean
+
+
+@shared
+def absolute_error(actual: Array, desired: Array) -> Array:
+    """Absolute value of the error at each sample: (..., T, d) twice -> (..., T, d), same units."""
+    return np.abs(desired - actual)
 
 
 def root_mean_square_error(actual: Array, desired: Array) -> Array:
@@ -43,16 +50,17 @@ def mean_absolute_error(actual: Array, desired: Array) -> Array:
 
     Times the duration it is the integral of the absolute error, IAE.
     """
-    mean: Array = np.abs(desired - actual).mean(axis=-2)
+    mean: Array = absolute_error(actual, desired).mean(axis=-2)
     return mean
 
 
 def maximum_error(actual: Array, desired: Array) -> Array:
     """Largest absolute error over time; arguments as in `root_mean_square_error`."""
-    error: Array = np.abs(desired - actual).max(axis=-2)
-    return error
+    largest: Array = absolute_error(actual, desired).max(axis=-2)
+    return largest
 
 
+@shared
 def distance(actual: Array, desired: Array) -> Array:
     """Norm of the error at each sample: (..., T, d) twice -> (..., T), same units."""
     return norm(desired - actual)
@@ -76,6 +84,7 @@ def maximum_distance(actual: Array, desired: Array) -> Array:
     return largest
 
 
+@shared
 def is_constant(desired: Array) -> NDArray[np.bool_]:
     """(...), whether a reference (..., T, d) never moves."""
     still: NDArray[np.bool_] = np.logical_and.reduce(desired == desired[..., :1, :], axis=(-2, -1))
@@ -153,13 +162,15 @@ def oscillates_for_good(deviations: Sequence[Array], reference: Array) -> bool:
         deviations: groups of components (T, any size) in units of their tolerances [1].
         reference: planned reference (T, size), in any units.
     """
-    every = np.concatenate(deviations, axis=-1)[len(reference) // 2 :]
-    planned = reference[len(reference) // 2 :]
+    first = len(reference) // 2
+    every = np.concatenate([group[first:] for group in deviations], axis=-1)
     if len(every) < _LEAST_SWINGS:
         return False
-    least = max(_LEAST_SWINGS, 2 * max((_swings(values) for values in planned.T), default=0))
     before, after = (_amplitude(part) for part in np.array_split(every, 2))
     sustained = (after > 1.0) & (after >= _SUSTAINED * before)
+    if not sustained.any():
+        return False
+    least = max(_LEAST_SWINGS, 2 * max((_swings(values) for values in reference[first:].T), default=0))
     return any(_swings(values) >= least for values in every.T[sustained])
 
 

@@ -1,11 +1,11 @@
 """`scoring_of`: how policies on a task are shown in tables and audited, and when its responses settle."""
 
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 from prp_gym.evaluation.response import time_settled
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.shared import shared
 from prp_gym.tasks.settling.criterion import SettlingCriterion
 from prp_gym.tasks.spec import TASKS, TaskScoring
 
@@ -50,13 +50,13 @@ class Settling(NamedTuple):
 
     @classmethod
     def of(cls, rollout: Rollout, criterion: SettlingCriterion) -> "Settling":
-        """How the responses of an episode settle, computed once for all metrics."""
-        known = _SETTLINGS.get(rollout)
-        if known is None:
-            deviations = criterion.deviations(rollout.fields)
-            reversals = criterion.reversals(rollout.fields)
-            known = _SETTLINGS[rollout] = cls(deviations, time_settled(rollout.time, deviations, reversals))
-        return known
+        """How the responses of an episode settle, for all of its metrics."""
+        return _settling(rollout, criterion)
 
 
-_SETTLINGS: WeakKeyDictionary[Rollout, Settling] = WeakKeyDictionary()
+@shared
+def _settling(rollout: Rollout, criterion: SettlingCriterion) -> Settling:
+    """See `Settling.of`."""
+    deviations = criterion.deviations(rollout.fields)
+    reversals = criterion.reversals(rollout.fields)
+    return Settling(deviations, time_settled(rollout.time, deviations, reversals))

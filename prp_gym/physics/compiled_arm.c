@@ -58,15 +58,14 @@ static inline void prp_collect(
         prp_collect_surface(q, v, plant, surface, turns, c);
 }
 
-/* The forces of the constraints; `b` becomes b + Σ Jᵀf. */
-static inline void prp_constrain(prp_constraints *c, const double *B, double *b)
+/* The forces of the constraints; `b` becomes b + Σ Jᵀf. `guess` are accelerations from which the solver starts,
+   and becomes those that it finds, on which the next ones hardly differ. */
+static inline void prp_constrain(prp_constraints *c, const double *B, double *b, double *guess)
 {
-    double acceleration[3];
     if (c->count == 1 && c->row[0] == PRP_SURFACE_ROW) {
         prp_surface_force(B, b, c->jacobian[0], c->reference, c->weight, c->force);
     } else {
-        prp_solve3(B, b, acceleration);
-        prp_minimise(c, B, b, acceleration);
+        prp_minimise(c, B, b, guess);
     }
     for (int i = 0; i < c->count; i++)
         for (int j = 0; j < 3; j++)
@@ -76,7 +75,7 @@ static inline void prp_constrain(prp_constraints *c, const double *B, double *b)
 /* The force of the surface, for which the other constraints matter only where it is touched. */
 static inline double prp_push(
     const prp_world *world, const double *q, const double *v, const double *tau, const double *plant,
-    const double *surface, const double *turns)
+    const double *surface, const double *turns, double *guess)
 {
     double B[9], b[3];
     prp_constraints c, touched;
@@ -87,14 +86,14 @@ static inline double prp_push(
     prp_collect_joints(world, q, v, plant, &c);
     prp_add(&c, PRP_SURFACE_ROW, touched.jacobian[0], touched.reference[0], touched.weight[0], -1.0);
     prp_unconstrained(q, v, tau, plant, turns, B, b);
-    prp_constrain(&c, B, b);
+    prp_constrain(&c, B, b, guess);
     return c.force[c.count - 1];
 }
 
 /* One time step; returns whether the arm is lost. */
 static inline int prp_step(
     const prp_world *world, double *q, double *v, const double *tau, const double *plant, const double *surface,
-    double *turns)
+    double *turns, double *guess)
 {
     double B[9], b[3], later[3], faster[3];
     prp_constraints c;
@@ -105,7 +104,7 @@ static inline int prp_step(
     prp_unconstrained(q, v, tau, plant, turns, B, b);
     prp_collect(world, q, v, plant, surface, turns, &c);
     if (c.count)
-        prp_constrain(&c, B, b);
+        prp_constrain(&c, B, b, guess);
     prp_advanced(q, v, plant, B, b, later, faster);
     for (int j = 0; j < 3; j++) {
         if (isfinite(later[j]) && isfinite(faster[j]))
@@ -120,7 +119,8 @@ static inline int prp_substep(
     const prp_world *world, double *q, double *v, const double *tau, const double *plant, const double *surface)
 {
     double turns[2 * PRP_TURN] = {0.0};
-    return prp_step(world, q, v, tau, plant, surface, turns);
+    double guess[3] = {0.0};
+    return prp_step(world, q, v, tau, plant, surface, turns, guess);
 }
 
 static inline int prp_inside(const prp_world *world, const double *q, const double *v)
@@ -151,14 +151,15 @@ int prp_advance(
         const double *tau = torque + 3 * row, *plant = plants + PRP_PLANT * row;
         const double *surface = surfaces + PRP_SURFACE * row;
         double *turns = world->turns ? world->turns + 2 * PRP_TURN * row : own;
+        double guess[3] = {0.0};
         for (int k = 0; k < world->substeps && !lost[row]; k++)
-            lost[row] = prp_step(world, q, v, tau, plant, surface, turns);
+            lost[row] = prp_step(world, q, v, tau, plant, surface, turns, guess);
         lost[row] |= !prp_inside(world, q, v);
         double *out = measured + width * row;
         prp_turn(q[0], turns), prp_turn(q[2], turns + PRP_TURN);
         prp_measured(q, v, turns, out);
         if (world->surface) {
-            const double push = prp_push(world, q, v, tau, plant, surface, turns);
+            const double push = prp_push(world, q, v, tau, plant, surface, turns, guess);
             for (int j = 0; j < 3; j++)
                 out[18 + j] = -push * surface[8 + j];
         }

@@ -65,7 +65,7 @@ static inline void prp_find(
     prp_collect(world, q, v, plant, surface, turns, &m->c);
     if (m->c.count == 0)
         return;
-    prp_solve3(m->B, m->total, m->a);
+    memset(m->a, 0, sizeof m->a);
     prp_minimise(&m->c, m->B, m->total, m->a);
     for (int i = 0; i < m->c.count; i++)
         for (int j = 0; j < 3; j++)

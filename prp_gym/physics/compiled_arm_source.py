@@ -76,7 +76,7 @@ def arm_source(timestep: float) -> str:
     """The C source of simulations with a duration of steps [s]."""
     functions = [c_function(_with_turns(function)) for function in arm_functions(timestep).values()]
     texts = [Path(__file__).with_name(name).read_text(encoding="utf-8") for name in _HAND_WRITTEN]
-    return "\n".join([PREAMBLE, _SIZES, solver_functions(), *functions, *texts])
+    return "\n".join(["#include <string.h>", PREAMBLE, _SIZES, solver_functions(), *functions, *texts])
 
 
 @cache

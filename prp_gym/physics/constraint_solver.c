@@ -3,7 +3,8 @@
    The acceleration a minimises ½ aᵀB a - bᵀa + Σ s_i(J_i a - r_i) with s_i(z) = ½ w_i z² on one side of zero
    for a stop or a surface, and for friction with the slope ±loss_i beyond |z| = loss_i/w_i. The minimum is found
    by Newton's method with an exact line search: the cost is convex and piecewise quadratic, so that the search
-   ends after a few steps at the exact minimum.
+   ends after a few steps at the exact minimum. Whatever the first guess, its bits are those of the system of
+   equations in the zones where the minimum lies.
 
    Source: MuJoCo documentation, Computation, Constraint model and Solver. */
 
@@ -12,6 +13,7 @@
 #define PRP_STOP_ROW 3
 #define PRP_SURFACE_ROW 6
 #define PRP_MOST_STEPS 100
+#define PRP_WHOLE_STEPS 1 /* first steps without a line search, which takes longer than a further step */
 
 typedef struct {
     int count;
@@ -95,50 +97,79 @@ static double prp_line_search(
     return t;
 }
 
+/* The accelerations at which the cost would be least if every constraint stayed in its zone: in the curved one
+   where it is stiff, else where its force is constant. They depend on the zones alone, not on the way to them. */
+static inline void prp_stationary(
+    const prp_constraints *c, const double B[9], const double b[3], const double *stiff, double a[3])
+{
+    double hessian[9], right[3];
+    memcpy(hessian, B, sizeof hessian);
+    memcpy(right, b, sizeof right);
+    for (int i = 0; i < c->count; i++) {
+        const double *J = c->jacobian[i];
+        const double constant = stiff[i] != 0.0 ? stiff[i] * c->reference[i] : c->force[i];
+        const double x = stiff[i] * J[0], y = stiff[i] * J[1], z = stiff[i] * J[2];
+        right[0] += J[0] * constant, right[1] += J[1] * constant, right[2] += J[2] * constant;
+        hessian[0] += x * J[0]; /* of which prp_solve3 reads the lower triangle */
+        hessian[3] += y * J[0], hessian[4] += y * J[1];
+        hessian[6] += z * J[0], hessian[7] += z * J[1], hessian[8] += z * J[2];
+    }
+    prp_solve3(hessian, right, a);
+}
+
+/* Go from `a` towards `next`, as far as the cost falls; returns the share of the way. */
+static double prp_go(
+    const prp_constraints *c, const double B[9], const double b[3], const double *z, const double *later,
+    const double *next, double *a)
+{
+    double linear = 0.0, square = 0.0, direction[3], move[PRP_ROWS];
+    for (int j = 0; j < 3; j++)
+        direction[j] = next[j] - a[j];
+    for (int j = 0; j < 3; j++) {
+        const double moved = prp_dot3(B + 3 * j, direction);
+        linear += moved * a[j] - b[j] * direction[j];
+        square += moved * direction[j];
+    }
+    for (int i = 0; i < c->count; i++)
+        move[i] = later[i] - z[i];
+    const double t = prp_line_search(c, z, move, linear, square);
+    for (int j = 0; j < 3; j++)
+        a[j] += t * direction[j];
+    return t;
+}
+
+/* The forces of the constraints at the accelerations `a`; returns whether all are in the zones in which they
+   were, those of `c->force` and `stiff`. */
+static inline int prp_set_forces(prp_constraints *c, const double *a, double *z, double *stiff)
+{
+    int same = 1;
+    for (int i = 0; i < c->count; i++) {
+        double slope;
+        z[i] = prp_dot3(c->jacobian[i], a) - c->reference[i];
+        const double force = prp_force(c, i, z[i], &slope);
+        same &= slope == stiff[i] && (slope != 0.0 || force == c->force[i]);
+        c->force[i] = force, stiff[i] = slope;
+    }
+    return same;
+}
+
 /* Minimise; `a` holds the first guess and then the accelerations, `c->force` the forces of the constraints. */
 static void prp_minimise(prp_constraints *c, const double B[9], const double b[3], double a[3])
 {
-    for (int step = 0; step < PRP_MOST_STEPS; step++) {
-        double hessian[9], gradient[3], direction[3], z[PRP_ROWS], move[PRP_ROWS], stiff[PRP_ROWS];
-        int unchanged = 1;
-        for (int j = 0; j < 3; j++)
-            gradient[j] = b[j] - prp_dot3(B + 3 * j, a);
-        for (int j = 0; j < 9; j++)
-            hessian[j] = B[j];
-        for (int i = 0; i < c->count; i++) {
-            const double *J = c->jacobian[i];
-            z[i] = prp_dot3(J, a) - c->reference[i];
-            c->force[i] = prp_force(c, i, z[i], &stiff[i]);
-            for (int j = 0; j < 3; j++) {
-                gradient[j] += J[j] * c->force[i];
-                for (int k = 0; k < 3; k++)
-                    hessian[3 * j + k] += stiff[i] * J[j] * J[k];
-            }
+    double z[PRP_ROWS], stiff[PRP_ROWS] = {0.0}, t = 1.0;
+    memset(c->force, 0, sizeof c->force);
+    prp_set_forces(c, a, z, stiff);
+    for (int step = 0; step < PRP_MOST_STEPS && t != 0.0; step++) {
+        double next[3], later[PRP_ROWS];
+        prp_stationary(c, B, b, stiff, next);
+        const int same = prp_set_forces(c, next, later, stiff);
+        if (same || step < PRP_WHOLE_STEPS) {
+            memcpy(a, next, sizeof next), memcpy(z, later, sizeof z);
+            if (same)
+                return;
+        } else {
+            t = prp_go(c, B, b, z, later, next, a);
+            prp_set_forces(c, a, z, stiff);
         }
-        prp_solve3(hessian, gradient, direction);
-        for (int i = 0; i < c->count; i++) {
-            double later;
-            move[i] = prp_dot3(c->jacobian[i], direction);
-            const double force = prp_force(c, i, z[i] + move[i], &later);
-            unchanged &= later == stiff[i] && (later != 0.0 || force == c->force[i]);
-        }
-        double t = 1.0;
-        if (!unchanged) {
-            double linear = 0.0, square = 0.0;
-            for (int j = 0; j < 3; j++) {
-                const double moved = prp_dot3(B + 3 * j, direction);
-                linear += moved * a[j] - b[j] * direction[j];
-                square += moved * direction[j];
-            }
-            t = prp_line_search(c, z, move, linear, square);
-        }
-        for (int j = 0; j < 3; j++)
-            a[j] += t * direction[j];
-        if (unchanged || t == 0.0)
-            break;
-    }
-    for (int i = 0; i < c->count; i++) {
-        double stiff;
-        c->force[i] = prp_force(c, i, prp_dot3(c->jacobian[i], a) - c->reference[i], &stiff);
     }
 }

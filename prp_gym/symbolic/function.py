@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class SymbolicFunction:
         """Everything that has to be computed, in order."""
         return reached(node for array in self.outputs.values() for node in array.flat())
 
-    @property
+    @cached_property
     def is_exact(self) -> bool:
         """Whether every machine gives the same bits, which sines and the like may differ in."""
         return all(node.operation is None or node.operation.exact for node in self.nodes())

@@ -180,6 +180,19 @@ def test_metric_reads_what_it_requires_and_is_absent_without_any_of_it(metric: M
         assert metric.name not in episode_metrics(less)
 
 
+@pytest.mark.parametrize("joints", [1, 3])
+def test_metrics_of_an_episode_are_those_of_each_metric_alone(joints: int) -> None:
+    """What several metrics share is computed once for an episode, and changes no bit."""
+    rng = np.random.default_rng(joints)
+    regular = everything(joints)
+    fields = {name: values + rng.normal(size=values.shape) for name, values in regular.fields.items()}
+    for rollout in (regular, replace(regular, fields=fields)):
+        together = episode_metrics(rollout)
+        assert together.keys() == {name for name, metric in METRICS.items() if metric.exists(rollout)}
+        for name, values in together.items():
+            np.testing.assert_array_equal(values, METRICS[name].values(rollout), name, strict=True)
+
+
 def test_number_in_info_does_not_stand_in_for_the_field_of_the_same_name() -> None:
     bare = make_rollout({"any": np.zeros((SAMPLES, 1))}, info={"contact_force": np.ones(STEPS)})
     assert "peak_force" not in episode_metrics(bare)

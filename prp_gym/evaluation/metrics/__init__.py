@@ -17,6 +17,7 @@ from prp_gym.evaluation.metric import Metric
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.registry import Registry
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.shared import sharing
 
 METRICS: Registry[Metric] = Registry("metric", "prp_gym.evaluation.metrics")
 """The declared metrics by name, in the order of results and pages."""
@@ -39,4 +40,5 @@ def register_metric(metric: Metric) -> Metric:
 
 def episode_metrics(rollout: Rollout) -> dict[str, Array]:
     """Every metric that exists for an episode, by name."""
-    return {name: metric.values(rollout) for name, metric in METRICS.items() if metric.exists(rollout)}
+    with sharing():
+        return {name: metric.values(rollout) for name, metric in METRICS.items() if metric.exists(rollout)}

@@ -8,10 +8,12 @@ from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import root_mean_square
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.shared import shared
 
 EFFORT = MetricGroup("Effort", 16.0)
 
 
+@shared
 def mechanical_energy(torque: Array, velocity: Array, period: float) -> Array:
     """∫ Σ |τ_i q̇_i| dt by the trapezoidal rule over each control period, the applied torque held.
 

@@ -11,6 +11,7 @@ from prp_gym.evaluation.metric import Metric, MetricGroup, Presentation
 from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import (
     SETTLING_BAND,
+    absolute_error,
     is_constant,
     mean_absolute_error,
     root_mean_square_error,
@@ -19,16 +20,18 @@ from prp_gym.evaluation.response import (
 )
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.physics.surface import CONTACT_THRESHOLD
-from prp_gym.robot.arrays import Array
-from prp_gym.tasks.settling.directions import across_desired, along_desired
+from prp_gym.robot.arrays import Array, norm
+from prp_gym.robot.shared import shared
+from prp_gym.tasks.settling.directions import across_desired, along_desired, magnitude
 
 DESIRED_FORCE = MetricGroup("Desired force", 14.0)
 CONTACT = MetricGroup("Contact", 15.0)
 
 
+@shared
 def in_contact(force: Array) -> NDArray[np.bool_]:
     """(..., T, 3) [N] -> (..., T), whether the tip touches the surface: `CONTACT_THRESHOLD` exceeded."""
-    touches: NDArray[np.bool_] = np.sqrt((force**2).sum(axis=-1)) > CONTACT_THRESHOLD
+    touches: NDArray[np.bool_] = magnitude(force) > CONTACT_THRESHOLD
     return touches
 
 
@@ -48,10 +51,11 @@ def mean_deviation_across(actual: Array, desired: Array, force: Array) -> Array:
     Source: [S] 9.4, the directions of force and of motion.
     """
     across = across_desired(desired - actual, force)
-    mean: Array = np.sqrt((across**2).sum(axis=-1)).mean(axis=-1)
+    mean: Array = norm(across).mean(axis=-1)
     return mean
 
 
+@shared
 def _is_force_step(desired: Array) -> NDArray[np.bool_]:
     is_desired: NDArray[np.bool_] = (desired[..., 0, :] != 0.0).any(axis=-1)
     return is_desired & is_constant(desired)
@@ -71,8 +75,8 @@ def force_settling_time(time: Array, force: Array, desired: Array) -> Array:
 
     Source: the settling time of step responses.
     """
-    actual, magnitude = along_desired(force, desired)
-    outside = np.abs(magnitude - actual) > SETTLING_BAND * magnitude
+    actual, goal = along_desired(force, desired)
+    outside = absolute_error(actual, goal) > SETTLING_BAND * goal
     touches = in_contact(force)
     settled = time_inside_for_good(time, outside[..., 0]) - time[np.argmax(touches, axis=-1)]
     settled = np.where(touches.any(axis=-1), settled, np.inf)
@@ -92,14 +96,14 @@ def force_overshoot(force: Array, desired: Array) -> Array:
     Source: the overshoot of step responses.
     """
     defined = _is_force_step(desired)
-    actual, magnitude = along_desired(force, desired)
-    excess = np.maximum((actual - magnitude).max(axis=(-2, -1)), 0.0)
-    return np.where(defined, 100.0 * excess / np.where(defined, magnitude[..., 0, 0], 1.0), np.nan)
+    actual, goal = along_desired(force, desired)
+    excess = np.maximum((actual - goal).max(axis=(-2, -1)), 0.0)
+    return np.where(defined, 100.0 * excess / np.where(defined, goal[..., 0, 0], 1.0), np.nan)
 
 
 def peak_force(force: Array) -> Array:
     """Largest norm of the contact force over time: (..., T, 3) -> (...) [N]."""
-    largest: Array = np.sqrt((force**2).sum(axis=-1)).max(axis=-1)
+    largest: Array = magnitude(force).max(axis=-1)
     return largest
 
 
@@ -146,8 +150,8 @@ def peak_force_ratio(force: Array, desired: Array) -> Array:
         (...) [%]; NaN if the desired force changes or is zero.
     """
     defined = _is_force_step(desired)
-    magnitude = np.sqrt((desired[..., 0, :] ** 2).sum(axis=-1))
-    return np.where(defined, 100.0 * peak_force(force) / np.where(defined, magnitude, 1.0), np.nan)
+    goal = np.sqrt((desired[..., 0, :] ** 2).sum(axis=-1))
+    return np.where(defined, 100.0 * peak_force(force) / np.where(defined, goal, 1.0), np.nan)
 
 
 def _forces(rollout: Rollout) -> tuple[Array, Array]:

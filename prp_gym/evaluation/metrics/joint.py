@@ -7,6 +7,7 @@ from prp_gym.evaluation.metric import JointMetric, Metric, MetricGroup, Presenta
 from prp_gym.evaluation.metrics import register_metric
 from prp_gym.evaluation.response import (
     SETTLING_BAND,
+    absolute_error,
     is_constant,
     maximum_error,
     mean_absolute_error,
@@ -15,7 +16,7 @@ from prp_gym.evaluation.response import (
     time_inside_for_good,
 )
 from prp_gym.evaluation.rollout import Rollout
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, norm
 from prp_gym.tasks.settling.displacements import JOINT_CENTIMETRE
 
 JOINT_MOTION = MetricGroup("Joint motion", 6.0)
@@ -41,7 +42,7 @@ def settling_time(time: Array, actual: Array, desired: Array) -> Array:
     """
     step = np.abs(desired[..., -1, :] - actual[..., 0, :])
     band = np.maximum(SETTLING_BAND * step, RESOLUTION[: step.shape[-1]])
-    outside = (np.abs(desired - actual) > band[..., None, :]).any(axis=-1)
+    outside = (absolute_error(actual, desired) > band[..., None, :]).any(axis=-1)
     return np.where(is_constant(desired), time_inside_for_good(time, outside), np.nan)
 
 
@@ -66,16 +67,10 @@ def overshoot(actual: Array, desired: Array) -> Array:
     moves = np.abs(step) > RESOLUTION[:joints]
     direction = np.where(moves, np.sign(step), 0.0) / np.array(JOINT_CENTIMETRE[:joints])
     excess = np.maximum((actual - desired[..., -1:, :]) * direction[..., None, :], 0.0)
-    move = _length(step * direction)
+    move = norm(step * direction)
     defined = is_constant(desired) & moves.any(axis=-1)
-    share = _length(excess).max(axis=-1) / np.where(defined, move, 1.0)
+    share = norm(excess).max(axis=-1) / np.where(defined, move, 1.0)
     return np.where(defined, 100.0 * share, np.nan)
-
-
-def _length(displacement: Array) -> Array:
-    """Norm over the joints: (..., joints) -> (...)."""
-    norm: Array = np.sqrt((displacement**2).sum(axis=-1))
-    return norm
 
 
 def _joints(rollout: Rollout) -> tuple[Array, Array]:

@@ -22,6 +22,7 @@ from prp_gym.evaluation.response import (
 )
 from prp_gym.evaluation.rollout import Rollout
 from prp_gym.robot.arrays import Array
+from prp_gym.robot.shared import shared
 
 TIP_MOTION = MetricGroup("Tip motion", 9.0)
 REFERENCE_MODEL = MetricGroup("Reference model", 11.0)
@@ -90,6 +91,7 @@ def position_steady_state_error(actual: Array, desired: Array) -> Array:
     return norm
 
 
+@shared
 def _poses(rollout: Rollout, reference: str, part: slice) -> tuple[Array, Array]:
     return rollout.fields["end_effector_pose"][..., part], rollout.fields[reference][..., part]
 

@@ -3,8 +3,30 @@
 import numpy as np
 
 from prp_gym.robot.arrays import Array, dot, norm
+from prp_gym.robot.shared import shared
 
 
+@shared
+def magnitude(vector: Array) -> Array:
+    """Norm of a vector at each sample, in its unit: (..., T, 3) -> (..., T)."""
+    return norm(vector)
+
+
+@shared
+def _divisor(desired: Array) -> Array:
+    """Magnitude of a desired force (..., T, 3) -> (..., T, 1) [N]; NaN where it is zero."""
+    size = magnitude(desired)[..., None]
+    return np.where(size > 0.0, size, np.nan)
+
+
+@shared
+def _direction(desired: Array) -> Array:
+    """Unit vectors along a desired force (..., T, 3); NaN where it is zero."""
+    direction: Array = desired / _divisor(desired)
+    return direction
+
+
+@shared
 def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
     """The force in the desired force's direction, and the desired force's magnitude.
 
@@ -15,9 +37,7 @@ def along_desired(force: Array, desired: Array) -> tuple[Array, Array]:
     Returns:
         (..., T, 1) [N] each; NaN for the first where no force is desired.
     """
-    magnitude = norm(desired)[..., None]
-    direction = desired / np.where(magnitude > 0.0, magnitude, np.nan)
-    return dot(force, direction)[..., None], magnitude
+    return dot(force, _direction(desired))[..., None], magnitude(desired)[..., None]
 
 
 def across_desired(vector: Array, desired: Array) -> Array:
@@ -32,6 +52,6 @@ def across_desired(vector: Array, desired: Array) -> Array:
 
     Source: [S] 9.4, the directions of force and of motion.
     """
-    along, magnitude = along_desired(vector, desired)
-    across: Array = vector - along * desired / np.where(magnitude > 0.0, magnitude, np.nan)
+    along, _ = along_desired(vector, desired)
+    across: Array = vector - along * desired / _divisor(desired)
     return across
