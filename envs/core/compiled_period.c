@@ -162,4 +162,14 @@ int prp_run(long first, long count, const prp_plan *plan)
     }
     return inside;
 }
+
+/* One period of a single environment: 0 where its action is not finite, and nothing has changed; else 1, plus 2
+   where the environment was lost, plus 4 where the duration of its episode is over. */
+int prp_run_one(const prp_plan *plan)
+{
+    if (!prp_actions_are_finite(plan))
+        return 0;
+    prp_run(0, 1, plan);
+    return 1 + (plan->lost[0] ? 2 : 0) + (plan->truncated[0] ? 4 : 0);
+}
 #endif

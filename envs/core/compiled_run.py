@@ -11,11 +11,15 @@ from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_plan import LARGEST_STATE, PeriodPlan, Plan
 from prp_gym.envs.core.period_source import PeriodSource
+from prp_gym.envs.core.single_period import SinglePeriod
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
+
+_GIVEN = ("noise", "error", "sampled")
+"""What compiled code may be given for every period besides the actions."""
 
 
 class CompiledPeriods:
@@ -29,6 +33,8 @@ class CompiledPeriods:
     Attributes:
         given: What the compiled code is given.
         simulates: Whether it simulates, too.
+        single: The period of a single environment in one call; None where there are several environments, or
+            where the period takes more than its action.
 
     Raises:
         UntraceableError: a task whose formulas cannot be traced.
@@ -94,7 +100,16 @@ class CompiledPeriods:
         else:
             self._set({"sampled": arrays["reference"].copy()})
         arrays["truncated"][:] = self._parts.scoring.truncated(arrays["clock"])
+        self.single = self._single_period()
         loop.ground_truth, loop.commanded_torque = arrays["ground_truth"], arrays["command"]
+
+    def _single_period(self) -> SinglePeriod | None:
+        """See `single`."""
+        arrays = self._arrays
+        if not self.simulates or len(arrays["clock"]) > 1 or not arrays.keys().isdisjoint(_GIVEN):
+            return None
+        world, function = self._loop.physics.world, self._library.prp_run_one
+        return SinglePeriod(function, self._address, arrays, world, self._substeps)
 
     def store(self) -> None:
         """Hand back what the loop's parts keep."""
@@ -130,7 +145,7 @@ class CompiledPeriods:
                 return None
             self._prepare()
             self._library.prp_score(self._address, 0)
-        return self.outcome(arrays["reward"], arrays["info"])
+        return self.last_outcome()
 
     def _advance_mujoco(self, address: Any, k: int) -> bool:
         """Advance MuJoCo's physics by the k-th period of a plan; whether no simulation is lost."""
@@ -143,6 +158,10 @@ class CompiledPeriods:
             values = (self._arrays[name].ctypes.data for name in ("measured", "beyond"))
             self._read = ctypes.byref(self._readings), *map(ctypes.c_void_p, values)
         return bool(library.prp_read(*self._read))
+
+    def last_outcome(self) -> Step:
+        """The result of the last period."""
+        return self.outcome(self._arrays["reward"], self._arrays["info"])
 
     def outcome(self, reward: Array, info: Array) -> Step:
         """The result of a step that compiled code has computed, with copies of its reward and `info`."""

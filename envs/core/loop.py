@@ -21,6 +21,7 @@ from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
+from prp_gym.envs.core.single_period import SingleStep
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import CompilerError, EpisodeError, ShapeError, UntraceableError
@@ -181,6 +182,26 @@ class EpisodeLoop:
         if self._errors is None:
             return outcome
         return outcome._replace(observation=self._errors(outcome.observation))
+
+    def step_alone(self, action: NDArray[Any]) -> SingleStep | None:
+        """Advance a single environment by one control period, if compiled code can do so in one call.
+
+        Args:
+            action: Action (joints), numbers of any kind.
+
+        Returns:
+            The results, as those of `step`; None where `step` has to be called: nothing has changed then.
+        """
+        periods = self._compiled
+        if periods is None or periods.single is None or not self._all_ready:
+            return None
+        if self._on_period is not _ignore or self._errors is not None:
+            return None
+        results = periods.single.step(action)
+        if results is None or not results[2]:
+            return results
+        outcome = self._watched(periods.last_outcome())
+        return outcome.observation[0], results[1], True, False, outcome.info[0]
 
     def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """Advance by one control period, see `step`; the observations are the fields of the task."""
