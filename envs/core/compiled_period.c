@@ -118,6 +118,22 @@ void prp_score(const prp_plan *plan, long k)
     }
 }
 
+#if PRP_BEGINS
+
+/* The reference, the ground truth and what is kept, after some of the environments have begun an episode. */
+void prp_begin(const prp_plan *plan)
+{
+    for (long row = 0; row < plan->rows; row++) {
+        double *memory = plan->memory + PRP_MEMORY * row, after[PRP_MEMORY + 1];
+        prp_refer_at(plan, row, row);
+        prp_start(
+            plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row, memory, plan->task_numbers,
+            plan->ground_truth + PRP_GROUND_TRUTH * row, after);
+        memcpy(memory, after, sizeof(double) * PRP_MEMORY);
+    }
+}
+#endif
+
 /* Choose the actions of all environments; whether all of them are finite. */
 int prp_decide(const prp_plan *plan)
 {

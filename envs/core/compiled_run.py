@@ -90,18 +90,43 @@ class CompiledPeriods:
         """
         loop, arrays = self._loop, self._arrays
         self._constant.check(loop.task.parts)
-        self._parts = loop.period_parts()
-        arrays["memory"][:] = self._source.rows.read(self._parts.owners)
         arrays["clock"][:], arrays["reference"][:] = loop.window.elapsed, loop.window.current
         arrays["ground_truth"][:], arrays["command"][:] = loop.ground_truth, loop.commanded_torque
-        if self._source.references is not None:
-            arrays["reference_numbers"][:] = self._source.references.read(loop.task.parts.reference)
-            loop.window.hold(arrays["clock"], arrays["reference"])
-        else:
+        self._take_over()
+        if self._source.references is None:
             self._set({"sampled": arrays["reference"].copy()})
         arrays["truncated"][:] = self._parts.scoring.truncated(arrays["clock"])
-        self.single = self._single_period()
+
+    def begin(self, ids: NDArray[np.intp]) -> bool:
+        """Begin new episodes in some environments (n), once their parts and the physics have done so.
+
+        Returns:
+            Whether compiled code has done so; if not, NumPy has to, and nothing has changed.
+
+        Raises:
+            UntraceableError: see `load`.
+        """
+        loop, arrays = self._loop, self._arrays
+        if not self._source.begins:
+            return False
+        self._constant.check(loop.task.parts)
+        arrays["clock"][ids], arrays["truncated"][ids] = 0.0, False
+        if not self.simulates:
+            loop.physics.measure(arrays["measured"])
+        self._take_over()
+        self._library.prp_begin(self._address)
+        return True
+
+    def _take_over(self) -> None:
+        """Take over what differs between episodes, and keep clock, reference, ground truth and command."""
+        loop, arrays, source = self._loop, self._arrays, self._source
+        self._parts = loop.period_parts()
+        arrays["memory"][:] = source.rows.read(self._parts.owners)
+        if source.references is not None:
+            arrays["reference_numbers"][:] = source.references.read(loop.task.parts.reference)
+            loop.window.hold(arrays["clock"], arrays["reference"])
         loop.ground_truth, loop.commanded_torque = arrays["ground_truth"], arrays["command"]
+        self.single = self._single_period()
 
     def _single_period(self) -> SinglePeriod | None:
         """See `single`."""

@@ -126,12 +126,13 @@ class EpisodeLoop:
         self._actuators.begin(ids, seeds)
         self._sensors.begin(ids, seeds)
         self.physics.reset(ids, start.joint_position, start.joint_velocity)
-        self._window.begin(ids, self.task.reference)
         self._needs_reset[ids] = False
         self._all_ready = not np.count_nonzero(self._needs_reset)
-        self.ground_truth = self._measure()
-        self.task.complete(self.ground_truth)
-        self.load()
+        if not self._begin_compiled(ids):
+            self._window.begin(ids, self.task.reference)
+            self.ground_truth = self._measure()
+            self.task.complete(self.ground_truth)
+            self.load()
         return self._viewed(self._begun(ids))
 
     def load(self) -> None:
@@ -143,6 +144,14 @@ class EpisodeLoop:
             self._compiled.load()
         except (UntraceableError, CompilerError):  # a task of another package, which NumPy computes
             self._compiled, self._may_compile = None, False
+
+    def _begin_compiled(self, ids: NDArray[np.intp]) -> bool:
+        """Let compiled code begin new episodes in some environments; whether it has done so."""
+        try:
+            return self._compiled is not None and self._compiled.begin(ids)
+        except UntraceableError:
+            self._compiled, self._may_compile = None, False
+            return False
 
     def __getstate__(self) -> dict[str, Any]:
         self._store()

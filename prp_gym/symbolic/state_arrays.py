@@ -69,8 +69,8 @@ class StateRows:
         """The rows (N, size) of arrays, of numbers or symbolic."""
         parts = []
         for array in self.arrays:
-            values = getattr(owners[array.owner], array.name)
-            moved = np.moveaxis(values.astype(np.float64), array.axis, 0)
+            values = getattr(owners[array.owner], array.name).astype(np.float64)
+            moved = np.moveaxis(values, array.axis, 0) if array.axis else values
             parts.append(moved.reshape((moved.shape[0], -1)))
         return np.concatenate(parts, axis=1) if parts else np.zeros((1, 0))
 
@@ -83,7 +83,7 @@ class StateRows:
         """Replace the arrays by those in rows (N, size), of numbers or symbolic."""
         for array in self.arrays:
             part = rows[:, array.columns].reshape((len(rows), *array.shape))
-            values = np.moveaxis(part, 0, array.axis)
+            values = np.moveaxis(part, 0, array.axis) if array.axis else part
             kept = values.astype(np.bool_) if array.boolean else values.copy()
             setattr(owners[array.owner], array.name, kept)
 
