@@ -72,9 +72,12 @@ class PeriodSource:
         functions = [self.actuate, self.judge, *self._traced_reference(task)]
         self._sizes["reference_numbers"] = self.references.size if self.references else 0
         self.has_bits_of_numpy = all(map(has_bits_of_numpy, functions))
-        start = self._traced_start() if self.has_bits_of_numpy and self.references else []
+        start: list[SymbolicFunction] = []
+        if self.has_bits_of_numpy and self.references:
+            start = self._traced_start()
         functions += start
-        self.begins = self._sizes["begins"] = len(start)
+        self.begins = bool(start)
+        self._sizes["begins"] = len(start)
         physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}\n{READINGS}"
         self.text = self._source(physics, functions)
 

@@ -10,9 +10,9 @@ from prp_gym.physics.compiled_simulation import CompiledWorld
 from prp_gym.robot.arrays import Array
 
 SingleStep = tuple[Array, float, bool, bool, Array]
-"""The results of a step of a single environment: observation, a new array (size), reward, whether the simulation
-diverged, whether the duration of the episode is over, and the values of the info fields (number of fields), which
-the next step may overwrite."""
+"""The results of a step of a single environment: observation, a new array (size), reward, whether the
+simulation diverged, whether the duration of the episode is over, and the values of the info fields (number of
+fields), which the next step may overwrite."""
 
 _LOST, _TRUNCATED = 2, 4  # flags of `prp_run_one`
 
