@@ -147,12 +147,10 @@ class Surface:
 
 def quaternions(normal: Array) -> Array:
     """Quaternions (n, 4) (w, x, y, z) that rotate the z axis into unit vectors (n, 3)."""
-    z = normal[:, 2]
+    x, y, z = (normal[:, axis] for axis in range(3))
     down = z < -1.0 + 1e-12
-    w, x, y = (
-        np.where(down, *values) for values in ((0.0, 1.0 + z), (1.0, -normal[:, 1]), (0.0, normal[:, 0]))
-    )
-    quaternion = np.stack([w, x, y, zeros(z.shape, z)], axis=-1)
+    columns = [np.where(down, 0.0, 1.0 + z), np.where(down, 1.0, -y), np.where(down, 0.0, x)]
+    quaternion = np.stack([*columns, zeros(z.shape, z)], axis=-1)
     unit: Array = quaternion / norm(quaternion)[:, None]
     return unit
 

@@ -36,9 +36,9 @@ class _Code(NamedTuple):
 class RowFunction:
     """A function of arrays with n rows, whose results depend on the arguments in the same row alone.
 
-    A call of NumPy on a small array takes about a microsecond, however few numbers it has, and a formula of a
-    hundred calls a hundred. Compiled code has the same bits; NumPy computes what cannot be compiled. Zeros are
-    positive in either case.
+    A call of NumPy takes about a microsecond, however few the numbers are, and a formula of a hundred calls a
+    hundred. Compiled code has the same bits; NumPy computes what cannot be compiled. Zeros are positive in
+    either case.
 
     Args:
         name: name of the function in C.
