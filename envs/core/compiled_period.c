@@ -188,4 +188,23 @@ int prp_run_one(const prp_plan *plan)
     prp_run(0, 1, plan);
     return 1 + (plan->lost[0] ? 2 : 0) + (plan->truncated[0] ? 4 : 0);
 }
+#else
+
+/* The same in two halves, where MuJoCo simulates in between; of a simulation that was lost, which NumPy judges,
+   nothing is read. */
+int prp_command_one(const prp_plan *plan)
+{
+    if (!prp_actions_are_finite(plan))
+        return 0;
+    prp_command(plan, 0);
+    return 1;
+}
+
+int prp_score_one(const prp_plan *plan, const prp_readings *from)
+{
+    if (!prp_read(from, plan->measured, plan->beyond))
+        return 1 + 2;
+    prp_score(plan, 0);
+    return 1 + (plan->truncated[0] ? 4 : 0);
+}
 #endif

@@ -11,7 +11,7 @@ from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_plan import LARGEST_STATE, PeriodPlan, Plan
 from prp_gym.envs.core.period_source import PeriodSource
-from prp_gym.envs.core.single_period import SinglePeriod
+from prp_gym.envs.core.single_period import SingleCompiledPeriod, SingleMujocoPeriod, SinglePeriod
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
@@ -130,11 +130,13 @@ class CompiledPeriods:
 
     def _single_period(self) -> SinglePeriod | None:
         """See `single`."""
-        arrays = self._arrays
-        if not self.simulates or len(arrays["clock"]) > 1 or not arrays.keys().isdisjoint(_GIVEN):
+        arrays, physics = self._arrays, self._loop.physics
+        if len(arrays["clock"]) > 1 or not arrays.keys().isdisjoint(_GIVEN):
             return None
-        world, function = self._loop.physics.world, self._library.prp_run_one
-        return SinglePeriod(function, self._address, arrays, world, self._substeps)
+        common = self._library, self._address, arrays, self._substeps
+        if self.simulates:
+            return SingleCompiledPeriod(*common, physics.world)
+        return SingleMujocoPeriod(*common, physics)
 
     def store(self) -> None:
         """Hand back what the loop's parts keep."""

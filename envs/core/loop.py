@@ -21,7 +21,7 @@ from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
-from prp_gym.envs.core.single_period import SingleStep
+from prp_gym.envs.core.single_period import LOST, SingleStep
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import CompilerError, EpisodeError, ShapeError, UntraceableError
@@ -206,11 +206,16 @@ class EpisodeLoop:
             return None
         if self._on_period is not _ignore or self._errors is not None:
             return None
-        results = periods.single.step(action)
-        if results is None or not results[2]:
-            return results
-        outcome = self._watched(periods.last_outcome())
-        return outcome.observation[0], results[1], True, False, outcome.info[0]
+        flags = periods.single.advance(action)
+        if not flags & LOST:
+            return periods.single.results(flags) if flags else None
+        if periods.simulates:
+            outcome = self._watched(periods.last_outcome())
+        else:
+            periods.store()
+            outcome = self.judge(*periods.commanded())
+        observation, reward, terminated, truncated, info = outcome
+        return observation[0], reward.item(), terminated.item(), truncated.item(), info[0]
 
     def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """Advance by one control period, see `step`; the observations are the fields of the task."""
