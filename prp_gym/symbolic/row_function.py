@@ -51,6 +51,11 @@ class RowFunction:
         self._code: _Code | None = None
         self._is_tried, self._count = False, 0
 
+    @property
+    def is_compiled(self) -> bool:
+        """Whether the last call was one of compiled code."""
+        return self._code is not None
+
     def __call__(self, **arguments: Any) -> Mapping[str, Any]:
         """The results of numbers.
 
