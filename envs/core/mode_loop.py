@@ -71,7 +71,7 @@ class ModeLoop(EpisodeLoop):
     def _restored(self) -> Array:
         """See `EpisodeLoop`."""
         self._code, self._code_keeps_memory = None, False
-        return self._observation.copy()
+        return self._viewed(self._observation.copy())
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_code": None}
