@@ -1,8 +1,9 @@
-"""`CompiledLoop`: what an episode loop leaves to compiled code, and what it takes back."""
+"""`CompiledLoop`: what an episode loop leaves to compiled code, and takes back where its state is saved."""
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from gymnasium.spaces import Box
@@ -10,10 +11,12 @@ from numpy.typing import NDArray
 
 from prp_gym.envs.base.error_observation import ErrorObservation
 from prp_gym.envs.core.compiled_run import CompiledPeriods
+from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.single_period import LOST, SingleStep
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import CompilerError, EpisodeError, UntraceableError
+from prp_gym.physics.abstract_simulation import Simulation
 from prp_gym.robot.arrays import Array
 
 
@@ -22,8 +25,15 @@ def ignore(_: Step) -> None:
 
 
 class CompiledLoop(ABC):
-    """The periods of N environments in compiled code, where there is any; the base of `EpisodeLoop`."""
+    """The periods of N environments in compiled code, where there is any, and their states.
 
+    Attributes:
+        physics: Simulations of the environments.
+        state_names: Attributes that make up the state of the loop.
+    """
+
+    state_names: ClassVar[tuple[str, ...]] = STATE
+    physics: Simulation
     _compiled: CompiledPeriods | None = None
     _may_compile: bool
     _errors: ErrorObservation | None
@@ -44,6 +54,15 @@ class CompiledLoop(ABC):
     @abstractmethod
     def period_parts(self) -> PeriodParts:
         """The parts whose formulas make up a control period, besides the physics."""
+
+    @property
+    @abstractmethod
+    def started(self) -> bool:
+        """Whether every environment has been reset at least once."""
+
+    @abstractmethod
+    def _restored(self) -> Array:
+        """The observations (N, size) after a state was restored."""
 
     def present_parts(self) -> PeriodParts:
         """See `period_parts`, with what the parts keep at present, which compiled code may hold."""
@@ -139,3 +158,37 @@ class CompiledLoop(ABC):
     def has_listener(self) -> bool:
         """Whether a listener is called with the result of every control period."""
         return self._on_period is not ignore
+
+    def get_state(self) -> LoopState:
+        """A copy of the complete state of the environments."""
+        return copy.deepcopy(self.current_state())
+
+    def set_state(self, state: LoopState) -> Array:
+        """Restore a state of this loop or of one made with the same keywords.
+
+        Returns:
+            Observations (N, size).
+
+        Raises:
+            InvalidValueError: a state of another number of environments.
+        """
+        rest = copy.deepcopy(state.rest)
+        self.physics.restore(state.physics)
+        self.__dict__.update(rest)
+        self._compiled = None  # whose numbers may be those of another task
+        self.load()
+        return self._restored()
+
+    def current_state(self) -> LoopState:
+        """The complete state of the environments, whose arrays change with them."""
+        self._store()
+        return LoopState(self.physics.snapshot(), {name: getattr(self, name) for name in self.state_names})
+
+    def __getstate__(self) -> dict[str, Any]:
+        self._store()
+        return {**self.__dict__, "_compiled": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if self.started:
+            self.load()

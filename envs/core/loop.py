@@ -14,10 +14,10 @@ from prp_gym.envs.base.error_observation import ErrorObservation
 from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
 from prp_gym.envs.core.argument_checks import check_ids, limit_actions
+from prp_gym.envs.core.compiled_loop import CompiledLoop
 from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.reference_window import ReferenceWindow
-from prp_gym.envs.core.saved_loop import SavedLoop
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
@@ -30,7 +30,7 @@ from prp_gym.tasks.task import Task
 _LARGEST_SEED = 2**63
 
 
-class EpisodeLoop(SavedLoop):
+class EpisodeLoop(CompiledLoop):
     """N environments of one task, stepped together.
 
     Args:
@@ -128,7 +128,7 @@ class EpisodeLoop(SavedLoop):
         return self._viewed(self._begun(ids))
 
     def _restored(self) -> Array:
-        """See `SavedLoop`."""
+        """See `CompiledLoop`."""
         return self._viewed(self._observe())
 
     def _begun(self, ids: NDArray[np.intp]) -> Array:
