@@ -6,9 +6,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.checks import as_numbers, random_seed
+from prp_gym.checks import PLAIN, as_numbers, random_seed
 from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.loop import EpisodeLoop
+from prp_gym.envs.core.single_period import SingleStep
 from prp_gym.envs.loop_environment import LoopEnvironment
 from prp_gym.envs.saved_state import EnvState
 from prp_gym.errors import RenderingError, ShapeError
@@ -96,7 +97,7 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
         observation = self._loop.reset(_ONLY, [self.np_random], checked)
         if self.render_mode == "human":
             self.render()
-        return observation[0], self._info(self._loop.start_info())
+        return observation[0], self._info(self._loop.start_info()[0])
 
     def step(self, action: NDArray[Any]) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Advance by one control period.
@@ -114,19 +115,27 @@ class PRPEnv(LoopEnvironment, gymnasium.Env[Array, NDArray[Any]]):
             NonFiniteError: NaN or infinity in the action.
             EpisodeError: a step before the first `reset`, or after a divergence.
         """
-        values = as_numbers("action", action)
-        if values.shape != self._action_shape:
-            raise ShapeError("action", values.shape, f"{self._action_shape}")
-        observation, reward, terminated, truncated, numbers = self._loop.step(values[None])
+        results = None
+        if type(action) is np.ndarray and action.dtype in PLAIN and action.shape == self._action_shape:
+            results = self._loop.step_alone(action)
+        observation, reward, terminated, truncated, numbers = results or self._checked_step(action)
         if self.render_mode is not None:
             self.record_tip()
             if self.render_mode == "human":
                 self.render()
-        return observation[0], reward.item(), terminated.item(), truncated.item(), self._info(numbers)
+        return observation, reward, terminated, truncated, self._info(numbers)
+
+    def _checked_step(self, action: NDArray[Any]) -> SingleStep:
+        """Advance by one control period, with an action of any kind; see `step`."""
+        values = as_numbers("action", action)
+        if values.shape != self._action_shape:
+            raise ShapeError("action", values.shape, f"{self._action_shape}")
+        observation, reward, terminated, truncated, numbers = self._loop.step(values[None])
+        return observation[0], reward.item(), terminated.item(), truncated.item(), numbers[0]
 
     def _info(self, numbers: Array) -> dict[str, Any]:
-        """The `info` of the one environment, in NumPy's scalars, from its row of numbers (1, fields)."""
-        return dict(zip(self._info_names, numbers.flat))  # noqa: B905 (`strict` takes time in every step)
+        """The `info` of the one environment, in NumPy's scalars, from its numbers (fields)."""
+        return dict(zip(self._info_names, numbers))  # noqa: B905 (`strict` takes time in every step)
 
     def render(self) -> NDArray[Any] | None:
         """Draw the robot, its reference, the trail of the tip, the surface and the forces.

@@ -23,7 +23,10 @@ LARGEST_WHOLE = 2**63 - 1
 """Largest whole number, that of an array of integers."""
 
 _FLOAT64 = np.dtype(np.float64)
-_PLAIN = (np.dtype(np.float32), _FLOAT64)
+
+PLAIN = (np.dtype(np.float32), _FLOAT64)
+"""Types of arrays whose values are numbers that need no check of their kind."""
+
 _MOST_NUMBERS = 10**7  # that are converted from something else than an array
 _FEW = 16  # numbers, up to which a loop in Python is faster than one of NumPy
 _LONGEST_TEXT = 10_000  # characters
@@ -41,7 +44,7 @@ def as_numbers(what: str, value: object, unit: str = "") -> Array:
     Raises:
         InvalidValueError: a value that is neither a number nor an array of numbers.
     """
-    if type(value) is np.ndarray and value.dtype in _PLAIN:
+    if type(value) is np.ndarray and value.dtype in PLAIN:
         return value.astype(np.float64)
     numbers = _array(value)
     if numbers.dtype.kind not in "iuf":

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,8 @@ from prp_gym.envs.base.tracking_starts import path_from
 from prp_gym.physics.abstract_simulation import Simulation
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, dot
+from prp_gym.robot.arrays import Array, dot, zeros
+from prp_gym.symbolic.row_function import RowFunction
 from prp_gym.tasks.fields import CONTACT_FORCE, MEASURED_FIELDS
 from prp_gym.tasks.parts import EpisodeStart, StartSampler
 from prp_gym.tasks.ranges import Draws
@@ -52,7 +53,7 @@ class ContactPoint:
     @cached_property
     def normal(self) -> Array:
         """Unit normal of the surface, which points to its free side (..., 3)."""
-        q_1, slide = self.joint_position[..., 0], np.zeros(self.joint_position.shape)
+        q_1, slide = self.joint_position[..., 0], zeros(self.joint_position.shape, self.joint_position)
         slide[..., 0], slide[..., 1] = np.sin(q_1), -np.cos(q_1)
         normal: Array = -self.side[..., None] * slide
         return normal
@@ -77,6 +78,23 @@ class ContactPoint:
         reach = self.arm.reach(self.joint_position)[..., None] + self.side[..., None] * offsets[..., 1]
         q[..., 1] += (reach + a_1 * np.sin(turn)) / np.cos(turn) - self.arm.reach(q)
         return q
+
+
+def contact_geometry(arm: PRPArm, contact: Array, side: Array, offsets: Array) -> Mapping[str, Array]:
+    """Points of first contact, the surfaces there, and joint positions near them.
+
+    Args:
+        arm: Nominal arm.
+        contact: Joint positions at first contact (n, 3) [rad, m, rad].
+        side: Positive where an extending slide presses on the surface (n, 1).
+        offsets: See `ContactPoint.near`, flat (n, 3K).
+
+    Returns:
+        `tip` (n, 3) [m], `normal` (n, 3), `offset` (n) [m], `targets` (n, K, 3) [rad, m, rad].
+    """
+    point = ContactPoint(arm, contact, np.where(side[:, 0] > 0.0, 1.0, -1.0))
+    targets = point.near(offsets.reshape((len(offsets), -1, 3)))
+    return {"tip": point.tip, "normal": point.normal, "offset": point.offset, "targets": targets}
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +154,10 @@ class ContactStarts(StartSampler[ContactStart]):
     ) -> None:
         self._arm = world.arm
         self._draws = Draws(setup.ranges)
+        self._moved = [name for name in ("start", "waypoints") if name in setup.ranges]
+        count = sum(len(setup.ranges[name].low) for name in self._moved)
+        shapes = {"contact": (3,), "side": (1,), "offsets": (count,)}
+        self._geometry = RowFunction("prp_contact", partial(contact_geometry, world.arm), shapes)
         self._surface = setup.options.given()
         self._path = path
         self._force = force or NoForce()
@@ -148,31 +170,28 @@ class ContactStarts(StartSampler[ContactStart]):
     def draw(self, rngs: Sequence[np.random.Generator], options: Mapping[str, Array]) -> ContactStart:
         """See `StartSampler.draw`."""
         drawn = self._draws.draw(rngs)
-        side = np.where(drawn["side"][:, 0] > 0.0, 1.0, -1.0)
-        point = ContactPoint(self._arm, drawn["contact"], side)
+        offsets = np.concatenate([drawn[name] for name in self._moved], axis=-1)
+        point = self._geometry(contact=drawn["contact"], side=drawn["side"], offsets=offsets)
         surface = self._make_surface(drawn, options, point)
-        empty = np.zeros((len(rngs), 0))
-        offsets = np.concatenate([drawn["start"], drawn.get("waypoints", empty)], axis=-1)
-        targets = point.near(offsets.reshape(len(rngs), -1, 3))
-        before, waypoints = targets[:, 0], targets[:, 1:][:, self._kept]
+        before, waypoints = point["targets"][:, 0], point["targets"][:, 1:][:, self._kept]
         if "goal" in options:
             check_joint_limits(self._arm, "goal", options["goal"])
             waypoints[:, -1] = options["goal"]
-        intervals = drawn.get("interval", empty)[:, self._kept]
+        intervals = drawn["interval"][:, self._kept] if "interval" in drawn else np.zeros((len(rngs), 0))
         trajectory = self._path(options.get("joint_position", before), waypoints, intervals)
         force = self._force.draw(drawn, options, surface)
         start = checked_start(self._arm, before, options)
-        return ContactStart(*start, trajectory, surface, force, point.tip)
+        return ContactStart(*start, trajectory, surface, force, point["tip"])
 
     def _make_surface(
-        self, drawn: Mapping[str, Array], options: Mapping[str, Array], point: ContactPoint
+        self, drawn: Mapping[str, Array], options: Mapping[str, Array], point: Mapping[str, Array]
     ) -> Surface:
         """The surfaces of episodes; reset options override keywords, and keywords override drawn values."""
         followed = {
             "surface_stiffness": drawn["surface_stiffness"][:, 0],
             "surface_damping": drawn["surface_damping"][:, 0],
-            "surface_normal": point.normal,
-            "surface_offset": point.offset,
+            "surface_normal": point["normal"],
+            "surface_offset": point["offset"],
         }
         requested = {n: surface_values(n, options[n]) for n in SURFACE_OPTIONS if n in options}
         return make_surface(followed, self._surface | requested)

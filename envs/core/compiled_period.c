@@ -128,6 +128,22 @@ void prp_score(const prp_plan *plan, long k)
     }
 }
 
+#if PRP_BEGINS
+
+/* The reference, the ground truth and what is kept, after some of the environments have begun an episode. */
+void prp_begin(const prp_plan *plan)
+{
+    for (long row = 0; row < plan->rows; row++) {
+        double *memory = plan->memory + PRP_MEMORY * row, after[PRP_MEMORY + 1];
+        prp_refer_at(plan, row, row);
+        prp_start(
+            plan->measured + PRP_MEASURED * row, plan->reference + PRP_REFERENCE * row, memory, plan->task_numbers,
+            plan->ground_truth + PRP_GROUND_TRUTH * row, after);
+        memcpy(memory, after, sizeof(double) * PRP_MEMORY);
+    }
+}
+#endif
+
 /* Choose the actions of all environments; whether all of them are finite. */
 int prp_decide(const prp_plan *plan)
 {
@@ -171,5 +187,34 @@ int prp_run(long first, long count, const prp_plan *plan)
         inside &= within;
     }
     return inside;
+}
+
+/* One period of a single environment: 0 where its action is not finite, and nothing has changed; else 1, plus 2
+   where the environment was lost, plus 4 where the duration of its episode is over. */
+int prp_run_one(const prp_plan *plan)
+{
+    if (!prp_actions_are_finite(plan))
+        return 0;
+    prp_run(0, 1, plan);
+    return 1 + (plan->lost[0] ? 2 : 0) + (plan->truncated[0] ? 4 : 0);
+}
+#else
+
+/* The same in two halves, where MuJoCo simulates in between; of a simulation that was lost, which NumPy judges,
+   nothing is read. */
+int prp_command_one(const prp_plan *plan)
+{
+    if (!prp_actions_are_finite(plan))
+        return 0;
+    prp_command(plan, 0);
+    return 1;
+}
+
+int prp_score_one(const prp_plan *plan, const prp_readings *from)
+{
+    if (!prp_read(from, plan->measured, plan->beyond))
+        return 1 + 2;
+    prp_score(plan, 0);
+    return 1 + (plan->truncated[0] ? 4 : 0);
 }
 #endif

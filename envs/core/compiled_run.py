@@ -10,12 +10,16 @@ from prp_gym.envs.core.argument_checks import clip_actions
 from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_plan import LARGEST_STATE, PeriodPlan, Plan
 from prp_gym.envs.core.period_source import PeriodSource
+from prp_gym.envs.core.single_period import SingleCompiledPeriod, SingleMujocoPeriod, SinglePeriod
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
 from prp_gym.tasks.episode_record import EpisodeRecord, EpisodeTotals
+
+_GIVEN = ("noise", "error", "sampled")
+"""What compiled code may be given for every period besides the actions."""
 
 
 class CompiledPeriods:
@@ -29,6 +33,8 @@ class CompiledPeriods:
     Attributes:
         given: What the compiled code is given.
         simulates: Whether it simulates, too.
+        single: The period of a single environment in one call; None where there are several environments, or
+            where the period takes more than its action.
 
     Raises:
         UntraceableError: a task whose formulas cannot be traced.
@@ -84,17 +90,53 @@ class CompiledPeriods:
         """
         loop, arrays = self._loop, self._arrays
         self._constant.check(loop.task.parts)
-        self._parts = loop.period_parts()
-        arrays["memory"][:] = self._source.rows.read(self._parts.owners)
         arrays["clock"][:], arrays["reference"][:] = loop.window.elapsed, loop.window.current
         arrays["ground_truth"][:], arrays["command"][:] = loop.ground_truth, loop.commanded_torque
-        if self._source.references is not None:
-            arrays["reference_numbers"][:] = self._source.references.read(loop.task.parts.reference)
-            loop.window.hold(arrays["clock"], arrays["reference"])
-        else:
+        self._take_over()
+        if self._source.references is None:
             self._set({"sampled": arrays["reference"].copy()})
         arrays["truncated"][:] = self._parts.scoring.truncated(arrays["clock"])
+
+    def begin(self, ids: NDArray[np.intp]) -> bool:
+        """Begin new episodes in some environments (n), once their parts and the physics have done so.
+
+        Returns:
+            Whether compiled code has done so; if not, NumPy has to, and nothing has changed.
+
+        Raises:
+            UntraceableError: see `load`.
+        """
+        loop, arrays = self._loop, self._arrays
+        if not self._source.begins:
+            return False
+        self._constant.check(loop.task.parts)
+        arrays["clock"][ids], arrays["truncated"][ids] = 0.0, False
+        if not self.simulates:
+            loop.physics.measure(arrays["measured"])
+        self._take_over()
+        self._library.prp_begin(self._address)
+        return True
+
+    def _take_over(self) -> None:
+        """Take over what differs between episodes, and keep clock, reference, ground truth and command."""
+        loop, arrays, source = self._loop, self._arrays, self._source
+        self._parts = loop.period_parts()
+        arrays["memory"][:] = source.rows.read(self._parts.owners)
+        if source.references is not None:
+            arrays["reference_numbers"][:] = source.references.read(loop.task.parts.reference)
+            loop.window.hold(arrays["clock"], arrays["reference"])
         loop.ground_truth, loop.commanded_torque = arrays["ground_truth"], arrays["command"]
+        self.single = self._single_period()
+
+    def _single_period(self) -> SinglePeriod | None:
+        """See `single`."""
+        arrays, physics = self._arrays, self._loop.physics
+        if len(arrays["clock"]) > 1 or not arrays.keys().isdisjoint(_GIVEN):
+            return None
+        common = self._library, self._address, arrays, self._substeps
+        if self.simulates:
+            return SingleCompiledPeriod(*common, physics.world)
+        return SingleMujocoPeriod(*common, physics)
 
     def store(self) -> None:
         """Hand back what the loop's parts keep."""
@@ -130,7 +172,7 @@ class CompiledPeriods:
                 return None
             self._prepare()
             self._library.prp_score(self._address, 0)
-        return self.outcome(arrays["reward"], arrays["info"])
+        return self.last_outcome()
 
     def _advance_mujoco(self, address: Any, k: int) -> bool:
         """Advance MuJoCo's physics by the k-th period of a plan; whether no simulation is lost."""
@@ -143,6 +185,10 @@ class CompiledPeriods:
             values = (self._arrays[name].ctypes.data for name in ("measured", "beyond"))
             self._read = ctypes.byref(self._readings), *map(ctypes.c_void_p, values)
         return bool(library.prp_read(*self._read))
+
+    def last_outcome(self) -> Step:
+        """The result of the last period."""
+        return self.outcome(self._arrays["reward"], self._arrays["info"])
 
     def outcome(self, reward: Array, info: Array) -> Step:
         """The result of a step that compiled code has computed, with copies of its reward and `info`."""

@@ -3,9 +3,8 @@
 It is vectorised over N; a single environment is a loop with N = 1.
 """
 
-import copy
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +14,13 @@ from prp_gym.envs.base.error_observation import ErrorObservation
 from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
 from prp_gym.envs.core.argument_checks import check_ids, limit_actions
-from prp_gym.envs.core.compiled_run import CompiledPeriods
-from prp_gym.envs.core.loop_state import STATE, LoopState
+from prp_gym.envs.core.compiled_loop import CompiledLoop
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.reference_window import ReferenceWindow
 from prp_gym.envs.core.sensors import make_sensors
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.core.step_scoring import StepScoring
-from prp_gym.errors import CompilerError, EpisodeError, ShapeError, UntraceableError
+from prp_gym.errors import ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default
 from prp_gym.tasks.episode_record import EpisodeRecord, EpisodeTotals
@@ -32,7 +30,7 @@ from prp_gym.tasks.task import Task
 _LARGEST_SEED = 2**63
 
 
-class EpisodeLoop:
+class EpisodeLoop(CompiledLoop):
     """N environments of one task, stepped together.
 
     Args:
@@ -49,10 +47,7 @@ class EpisodeLoop:
         info_fields: Columns of a step's `info`.
         observation_layout: Layout of the observations.
         action_fields: Parts of an action.
-        state_names: Attributes that make up the state of the loop.
     """
-
-    state_names: ClassVar[tuple[str, ...]] = STATE
 
     def __init__(self, task: Task, config: EnvConfig, num_envs: int = 1, num_threads: int = 1) -> None:
         self.task = task
@@ -62,7 +57,6 @@ class EpisodeLoop:
         self.torque_limit = config.limits(nominal)
         self.joints = len(nominal)
         self.action_fields: tuple[ActionField, ...] = (torque_field(self.torque_limit),)
-        self._on_period: Callable[[Step], None] = _ignore
         self.physics = task.make_physics(1.0 / SUBSTEPS_PER_SECOND, num_envs, num_threads)
         self._scoring = StepScoring(task, config.control_frequency, config.horizon)
         self.info_fields = self._scoring.info_fields
@@ -78,7 +72,6 @@ class EpisodeLoop:
         self.physics.watch(bound)
         self._full = np.ones_like(self._limit)
         self._substeps = config.substeps
-        self._compiled: CompiledPeriods | None = None
         self._may_compile = config.engine == COMPILED or compiles_by_default()
         self._errors = ErrorObservation(task.layout, task.model) if config.observation == ERRORS else None
         self.observation_layout = task.layout if self._errors is None else self._errors.layout
@@ -125,37 +118,18 @@ class EpisodeLoop:
         self._actuators.begin(ids, seeds)
         self._sensors.begin(ids, seeds)
         self.physics.reset(ids, start.joint_position, start.joint_velocity)
-        self._window.begin(ids, self.task.reference)
         self._needs_reset[ids] = False
         self._all_ready = not np.count_nonzero(self._needs_reset)
-        self.ground_truth = self._measure()
-        self.task.complete(self.ground_truth)
-        self.load()
+        if not self._begin_compiled(ids):
+            self._window.begin(ids, self.task.reference)
+            self.ground_truth = self._measure()
+            self.task.complete(self.ground_truth)
+            self.load()
         return self._viewed(self._begun(ids))
 
-    def load(self) -> None:
-        """Let compiled code go on from the present state, with the compiled engine."""
-        if not self._may_compile:
-            return
-        try:
-            self._compiled = self._compiled or CompiledPeriods(self)
-            self._compiled.load()
-        except (UntraceableError, CompilerError):  # a task of another package, which NumPy computes
-            self._compiled, self._may_compile = None, False
-
-    def __getstate__(self) -> dict[str, Any]:
-        self._store()
-        return {**self.__dict__, "_compiled": None}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        if self.started:
-            self.load()
-
-    def _store(self) -> None:
-        """Let the loop's parts know what compiled code has kept."""
-        if self._compiled is not None:
-            self._compiled.store()
+    def _restored(self) -> Array:
+        """See `CompiledLoop`."""
+        return self._viewed(self._observe())
 
     def _begun(self, ids: NDArray[np.intp]) -> Array:
         """The fields of the task as the sensors read them, after some environments have begun an episode."""
@@ -200,12 +174,7 @@ class EpisodeLoop:
         return self.judge(command, saturated)
 
     def judge(self, command: Array, saturated: NDArray[np.bool_] | None) -> Step:
-        """The result of a period that the physics has simulated, computed by NumPy.
-
-        Args:
-            command: Commanded torques (N, joints) [N m, N, N m].
-            saturated: Which actions were at or beyond the actuator limits (N, joints); None if none was.
-        """
+        """See `CompiledLoop`."""
         self.commanded_torque = command
         self._window.advance(self.task.reference)
         self._sensors.advance()
@@ -229,27 +198,9 @@ class EpisodeLoop:
             self._compiled.load()
         return outcome
 
-    def _watched(self, outcome: Step) -> Step:
-        """The result of a period of compiled code; environments that diverged in it wait for a reset."""
-        self._stop(outcome.terminated)
-        if not self._all_ready:
-            outcome.truncated[outcome.terminated] = False
-            which = self._needs_reset
-            outcome.observation[which] = np.clip(
-                outcome.observation[which], self._space.low, self._space.high
-            )
-        self._on_period(outcome)
-        return outcome
-
     def start_info(self) -> Array:
         """The `info` (N, fields) of environments at the start of an episode."""
         return self._scoring.at_start(self.ground_truth)
-
-    def _stop(self, diverged: NDArray[np.bool_]) -> None:
-        """Have environments (a mask of N) that left the declared bounds wait for a reset."""
-        if np.count_nonzero(diverged):
-            self._needs_reset |= diverged
-            self._all_ready = False
 
     def _measure(self) -> Array:
         """The present ground truth, a new array in which the task has yet to write the unobserved fields."""
@@ -272,33 +223,13 @@ class EpisodeLoop:
             observation[which] = np.clip(observation[which], self._space.low, self._space.high)
         return observation
 
-    def require_ready(self, idle: NDArray[np.bool_]) -> None:
-        """Refuse to step environments that need a reset, except those that only wait for it.
-
-        Args:
-            idle: Mask (N) of environments that only wait for their reset.
-
-        Raises:
-            EpisodeError: one of the others was never reset, or has diverged.
-        """
-        stuck = np.flatnonzero(self._needs_reset & ~idle).tolist()
-        if stuck:
-            raise EpisodeError(
-                f"environments {stuck} cannot be stepped: never reset, or diverged; call reset first."
-            )
-
     @property
     def observation(self) -> Array:
         """The fields of the task as the sensors read them at present (N, task.layout.size), a new array."""
         return self._observe()
 
-    def present_parts(self) -> PeriodParts:
-        """See `period_parts`, with what the parts keep at present, which compiled code may hold."""
-        self._store()
-        return self.period_parts()
-
     def period_parts(self) -> PeriodParts:
-        """The parts whose formulas make up a control period, besides the physics."""
+        """See `CompiledLoop`."""
         parts = (self._actuators, self._sensors, self._scoring)
         return PeriodParts(self.task.parts.errors, *parts, self.torque_limit)
 
@@ -333,15 +264,6 @@ class EpisodeLoop:
         """Number of components of one environment's action."""
         return sum(field.size for field in self.action_fields)
 
-    def listen(self, listener: Callable[[Step], None] | None) -> None:
-        """Call a listener with the result of every control period; None removes the listener."""
-        self._on_period = listener or _ignore
-
-    @property
-    def has_listener(self) -> bool:
-        """Whether a listener is called with the result of every control period."""
-        return self._on_period is not _ignore
-
     @property
     def started(self) -> bool:
         """Whether every environment has been reset at least once."""
@@ -352,36 +274,3 @@ class EpisodeLoop:
         """Time since the start of each episode (N) [s]."""
         seconds: Array = self._window.elapsed / self.config.control_frequency
         return seconds
-
-    def get_state(self) -> LoopState:
-        """A copy of the complete state of the environments."""
-        return copy.deepcopy(self.current_state())
-
-    def set_state(self, state: LoopState) -> Array:
-        """Restore a state of this loop or of one made with the same keywords.
-
-        Returns:
-            Observations (N, size).
-
-        Raises:
-            InvalidValueError: a state of another number of environments.
-        """
-        rest = copy.deepcopy(state.rest)
-        self.physics.restore(state.physics)
-        self.__dict__.update(rest)
-        self._compiled = None  # whose numbers may be those of another task
-        self.load()
-        return self._viewed(self._restored())
-
-    def _restored(self) -> Array:
-        """The fields of the task as the sensors read them, after a state was restored."""
-        return self._observe()
-
-    def current_state(self) -> LoopState:
-        """The complete state of the environments, whose arrays change with them."""
-        self._store()
-        return LoopState(self.physics.snapshot(), {name: getattr(self, name) for name in self.state_names})
-
-
-def _ignore(_: Step) -> None:
-    """The listener of a loop without one."""

@@ -13,6 +13,7 @@ from prp_gym.envs.core.compiled_mode import CompiledMode
 from prp_gym.envs.core.info import AVERAGED, LAST
 from prp_gym.envs.core.loop import EpisodeLoop
 from prp_gym.envs.core.loop_state import STATE
+from prp_gym.envs.core.single_period import SingleStep
 from prp_gym.envs.core.step import Step
 from prp_gym.errors import CompilerError, ShapeError, UntraceableError
 from prp_gym.robot.arrays import Array
@@ -70,7 +71,7 @@ class ModeLoop(EpisodeLoop):
     def _restored(self) -> Array:
         """See `EpisodeLoop`."""
         self._code, self._code_keeps_memory = None, False
-        return self._observation.copy()
+        return self._viewed(self._observation.copy())
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_code": None}
@@ -108,6 +109,10 @@ class ModeLoop(EpisodeLoop):
             self._may_compile_mode = False
             return None
         return self._code if self._code.load(self._memory) else None
+
+    def step_alone(self, action: NDArray[Any]) -> SingleStep | None:
+        """See `EpisodeLoop`: never."""
+        return None
 
     def _advance(self, action: Array, idle: NDArray[np.bool_] | None = None) -> Step:
         """Advance every environment by the period of one action; see `EpisodeLoop`.

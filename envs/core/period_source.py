@@ -40,6 +40,7 @@ class PeriodSource:
         rows: rows of what task and actuators keep from one period to the next.
         references: rows of the references; None where these are sampled ahead: where they cannot be traced,
             and with MuJoCo's physics where their bits would not be those of NumPy.
+        begins: whether the start of episodes is compiled, too, with the bits of NumPy.
         has_bits_of_numpy: whether the compiled functions give the bits of NumPy on this machine.
         actuate: function from actions to torques.
         judge: function from the measurement to ground truth, observation, reward and `info`.
@@ -72,6 +73,12 @@ class PeriodSource:
         functions = [self.actuate, self.judge, *self._traced_reference(task)]
         self._sizes["reference_numbers"] = self.references.size if self.references else 0
         self.has_bits_of_numpy = all(map(has_bits_of_numpy, functions))
+        start: list[SymbolicFunction] = []
+        if self.has_bits_of_numpy and self.references:
+            start = self._traced_start()
+        functions += start
+        self.begins = bool(start)
+        self._sizes["begins"] = len(start)
         physics = loop.physics.source if self._sizes["physics"] else f"{PREAMBLE}\n{WORLD}\n{READINGS}"
         self.text = self._source(physics, functions)
 
@@ -112,9 +119,7 @@ class PeriodSource:
         sizes = self._sizes
 
         def judge(parts: PeriodParts, memory: Any, **given: Any) -> Mapping[str, Any]:
-            present = zeros((1, sizes["ground_truth"]), memory)
-            present[:, : sizes["measured"]] = given["measured"]
-            present[:, sizes["measured"] : sizes["observed"]] = given["reference"]
+            present = self._present(given, memory)
             with self._kept(parts, memory) as kept:
                 parts.errors.advance(present)
                 parts.errors.complete(present)
@@ -135,6 +140,32 @@ class PeriodSource:
         shapes |= {"command": joints, "saturated": joints, "clock": (1,), "beyond": joints, "ended": (1,)}
         shapes |= {"error": (1, 3), "memory": (1, sizes["memory"])}
         return trace_method("prp_judge", judge, self._parts, shapes, CONSTANTS, self._kind).function
+
+    def _traced_start(self) -> list[SymbolicFunction]:
+        """From the measurement at the start of an episode to the ground truth, where this can be traced."""
+        sizes = self._sizes
+
+        def begin(parts: PeriodParts, memory: Any, **given: Any) -> Mapping[str, Any]:
+            present = self._present(given, memory)
+            with self._kept(parts, memory) as kept:
+                parts.errors.complete(present)
+            return {"ground_truth": present, "after": kept()}
+
+        shapes = {"measured": (1, sizes["measured"]), "reference": (1, sizes["reference"])}
+        shapes |= {"memory": (1, sizes["memory"])}
+        with suppress(UntraceableError):
+            traced = trace_method("prp_start", begin, self._parts, shapes, CONSTANTS, self._kind).function
+            if has_bits_of_numpy(traced):
+                return [traced]
+        return []
+
+    def _present(self, given: Mapping[str, Any], like: Any) -> Any:
+        """The ground truth (1, size) from measurement and reference, without the unobserved fields."""
+        sizes = self._sizes
+        present = zeros((1, sizes["ground_truth"]), like)
+        present[:, : sizes["measured"]] = given["measured"]
+        present[:, sizes["measured"] : sizes["observed"]] = given["reference"]
+        return present
 
     @contextmanager
     def _kept(self, parts: PeriodParts, memory: Any) -> Iterator[Callable[[], Any]]:

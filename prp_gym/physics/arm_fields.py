@@ -17,10 +17,32 @@ from prp_gym.physics.model_fields import (
     check_rows,
     rows_of,
 )
-from prp_gym.physics.surface import Surface, friction_reference, solver_reference
+from prp_gym.physics.surface import Surface, friction_reference, quaternions, solver_reference
 from prp_gym.robot.arrays import Array, dot
+from prp_gym.symbolic.row_function import RowFunction
 
 _SPRINGS = "surface springs"
+
+
+def contact_fields(
+    springs: Array, weight: Array, normal: Array, offset: Array, center: Array
+) -> Mapping[str, Array]:
+    """Fields of MuJoCo's model for n surfaces, by name.
+
+    Args:
+        springs: Stiffness [N/m] and damping [N s/m] (n, 2).
+        weight: `body_invweight0` (translation) of the tip's body (n) [1/kg].
+        normal: Unit normals (n, 3).
+        offset: Offsets along the normals (n) [m].
+        center: Points that are projected onto the surfaces (n, 3) or (3) [m].
+    """
+    gap = offset - TIP_RADIUS - dot(normal, center)
+    return {
+        "pair_solref": solver_reference(springs[:, 0], springs[:, 1], weight),
+        "pair_solreffriction": friction_reference(weight),
+        "body_pos": center + gap[:, None] * normal,
+        "body_quat": quaternions(normal),
+    }
 
 
 class ArmFields(ModelFields):
@@ -50,16 +72,22 @@ class ArmFields(ModelFields):
         self._tip_body = names["link_3"]
         self._nominal_weight = model.body_invweight0[self._tip_body, 0]
         self._springs = np.full((batch.nsim, 2), np.nan)  # stiffness and damping of the surfaces set
+        shapes: dict[str, tuple[int, ...]] = {"springs": (2,), "weight": (), "normal": (3,), "offset": ()}
+        self._contact = RowFunction("prp_contact_fields", contact_fields, {**shapes, "center": (3,)})
 
     def set_surface(self, ids: Ids, surface: Surface, center: Array) -> None:
         """See `Physics.set_surface`; the patch is drawn where `center` (3) [m] projects onto the plane."""
         check_rows("surface", surface.normal, (len(ids), 3))
         rows = rows_of(ids, len(self._springs))
         self._springs[rows, 0], self._springs[rows, 1] = surface.stiffness, surface.damping
-        self._calibrate(rows)
-        gap = surface.offset - TIP_RADIUS - dot(surface.normal, center)
-        self.batch.expand("body_pos")[rows, self._surface] = center + gap[:, None] * surface.normal
-        self.batch.expand("body_quat")[rows, self._surface] = surface.quaternions()
+        springs, weight, plane = self._springs[rows], self._weight(rows), (surface.normal, surface.offset)
+        fields = self._contact(
+            springs=springs, weight=weight, normal=plane[0], offset=plane[1], center=center
+        )
+        for name in ("pair_solref", "pair_solreffriction"):
+            self.batch.expand(name)[rows, 0] = fields[name]
+        for name in ("body_pos", "body_quat"):
+            self.batch.expand(name)[rows, self._surface] = fields[name]
 
     def set_springs(self, ids: Ids, stiffness: Array, damping: Array) -> None:
         """See `Physics.set_springs`."""
@@ -114,11 +142,17 @@ class ArmFields(ModelFields):
         if np.count_nonzero(np.isnan(springs)):  # some surfaces were never set
             rows = np.arange(len(self._springs))[rows][~np.isnan(springs[:, 0])]
             springs = self._springs[rows]
-        own = self.batch.expanded("body_invweight0")
-        weight = np.full(len(springs), self._nominal_weight) if own is None else own[rows, self._tip_body, 0]
-        reference = solver_reference(springs[:, 0], springs[:, 1], weight)
-        self.batch.expand("pair_solref")[rows, 0] = reference
+        weight = self._weight(rows)
+        self.batch.expand("pair_solref")[rows, 0] = solver_reference(springs[:, 0], springs[:, 1], weight)
         self.batch.expand("pair_solreffriction")[rows, 0] = friction_reference(weight)
+
+    def _weight(self, rows: Ids | slice) -> Array:
+        """`body_invweight0` (translation) (n) of the tip's bodies [1/kg]."""
+        own = self.batch.expanded("body_invweight0")
+        if own is None:
+            return np.full(len(self._springs[rows]), self._nominal_weight)
+        weight: Array = own[rows, self._tip_body, 0]
+        return weight
 
     def copy(self) -> dict[str, Array]:
         """Values of all fields that differ, by name, and of the springs."""

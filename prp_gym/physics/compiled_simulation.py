@@ -87,7 +87,6 @@ class CompiledSimulation(Simulation):
         self._beyond, self._no_force = np.zeros(shape), np.zeros((num_simulations, 3))
         self._indices = np.arange(num_simulations, dtype=np.dtype(ctypes.c_long))
         self._lost = np.zeros(num_simulations, dtype=np.uint8)
-        self._within_limits = True
         self._threads: ThreadPoolExecutor | None = None
         self._process = os.getpid()
         self.world = CompiledWorld()
@@ -111,16 +110,15 @@ class CompiledSimulation(Simulation):
         """Advance by a compiled function that calls `prp_advance`, with the threads of the simulations.
 
         Args:
-            function: function of the first row, the number of rows and the argument, which returns whether
-                all are within limits at the end.
+            function: function of the first row, the number of rows and the argument.
             substeps: number of time steps of a call of `prp_advance`.
             argument: further argument.
         """
         self.world.substeps = substeps
         if self.num_simulations < 2 * _LEAST_ROWS:
-            self._within_limits = bool(function(0, self.num_simulations, argument))
+            function(0, self.num_simulations, argument)
         else:
-            self._within_limits = all(self._over_rows(function, argument))
+            self._over_rows(function, argument)
 
     @property
     @abstractmethod
@@ -142,32 +140,33 @@ class CompiledSimulation(Simulation):
     def advance(self, substeps: int) -> None:
         """See `Simulation.advance`; no substeps measure the present state."""
         self.world.substeps = substeps
-        self._within_limits = all(self._over_rows(self._advance_rows))
+        self._over_rows(self._advance_rows)
 
-    def _over_rows(self, function: Callable[..., Any], *more: Any) -> list[Any]:
-        """The results of a function of the first row, the number of rows and more, over all rows."""
+    def _over_rows(self, function: Callable[..., Any], *more: Any) -> None:
+        """Call a function of the first row, the number of rows and more for all rows."""
         workers = min(self.num_threads, max(1, self.num_simulations // _LEAST_ROWS))
         if workers == 1:
-            return [function(0, self.num_simulations, *more)]
+            function(0, self.num_simulations, *more)
+            return
         edges = np.linspace(0, self.num_simulations, workers + 1).astype(int).tolist()
         own, *others = zip(edges[:-1], np.diff(edges).tolist(), strict=True)
         pool = self._pool(workers)
         waiting = [pool.submit(function, *part, *more) for part in others]
-        return [function(*own, *more), *(one.result() for one in waiting)]
+        function(*own, *more)
+        for one in waiting:
+            one.result()
 
     def _measure_some(self, ids: Ids) -> None:
         """Measure the present state of some simulations; the others keep their measurements."""
         rows = self._indices[ids]
         self.world.substeps = 0
         self._advance_rows(0, len(rows), ctypes.c_void_p(rows.ctypes.data))
-        self._within_limits = not (np.count_nonzero(self._beyond) or np.count_nonzero(self._lost))
 
-    def _advance_rows(self, first: int, count: int, rows: ctypes.c_void_p | None = None) -> int:
+    def _advance_rows(self, first: int, count: int, rows: ctypes.c_void_p | None = None) -> None:
         """Advance `count` simulations from `first` on, in the order of the C array `rows` if there is one."""
-        result: int = self._function(
+        self._function(
             ctypes.c_long(first), ctypes.c_long(count), rows, ctypes.byref(self.world), *self._addresses
         )
-        return result
 
     def _pool(self, workers: int) -> ThreadPoolExecutor:
         """The worker threads; a forked process, which has none, starts its own."""
@@ -211,7 +210,7 @@ class CompiledSimulation(Simulation):
     @property
     def within_limits(self) -> bool:
         """See `Simulation.within_limits`."""
-        return self._within_limits
+        return not (np.count_nonzero(self._beyond) or np.count_nonzero(self._lost))
 
     @property
     def out_of_bounds(self) -> NDArray[np.bool_]:

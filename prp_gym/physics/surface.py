@@ -1,5 +1,6 @@
 """The elastic surface: a plane that acts on the tip as a unilateral spring and damper."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from prp_gym.checks import LARGEST, as_numbers, check_finite
 from prp_gym.errors import InvalidValueError, ShapeError
-from prp_gym.robot.arrays import Array, norm
+from prp_gym.robot.arrays import Array, norm, zeros
 
 CONTACT_THRESHOLD = 1e-6
 """Contact force above which the tip is in contact [N], that of 1 µm into a surface of 1 N/m."""
@@ -56,12 +57,33 @@ class Surface:
                 raise ShapeError(f"surface {name}", values.shape, expected)
             values.flags.writeable = False
         vars(self).update(own)
+        if count == 1 and self._is_usual_plane():
+            self._normalise_plane()
+            return
         largest = np.abs(self.normal).max(axis=-1)
         values = np.array([self.stiffness, self.damping, largest, np.abs(self.offset)])
         usual = (values >= _LEAST) & (values <= LARGEST)
         if np.count_nonzero(usual) < usual.size:
             self._check(largest)
         self._normalise(largest)
+
+    def _is_usual_plane(self) -> bool:
+        """Whether this is a single plane with usual values, whose numbers are faster than arrays."""
+        (x, y, z), offset = self.normal[0].tolist(), self.offset.item()
+        return (
+            1e-300 <= self.stiffness.item() <= LARGEST
+            and 0.0 <= self.damping.item() <= LARGEST
+            and 1e-300 <= abs(x) + abs(y) + abs(z) <= LARGEST
+            and -LARGEST <= offset <= LARGEST
+        )
+
+    def _normalise_plane(self) -> None:
+        """Scale the normal of a single plane to unit length, with the bits of `_normalise`."""
+        numbers = self.normal[0].tolist()
+        largest = max(map(abs, numbers))
+        x, y, z = (number / largest for number in numbers)
+        length = math.sqrt(x * x + y * y + z * z)
+        self._keep_normal(np.array([[x / length, y / length, z / length]]))
 
     def _check(self, largest: Array) -> None:
         """Refuse values that are not allowed; those beyond the usual ones may be.
@@ -83,9 +105,12 @@ class Surface:
             largest: Their largest components (n), without which squares may underflow or overflow.
         """
         scaled = self.normal / largest[:, None]
-        normal = scaled / norm(scaled)[:, None]
+        self._keep_normal(scaled / norm(scaled)[:, None])
+
+    def _keep_normal(self, normal: Array) -> None:
+        """Keep normals of unit length."""
         normal.flags.writeable = False
-        object.__setattr__(self, "normal", normal)
+        vars(self)["normal"] = normal
 
     def _require(self, name: str, good: NDArray[np.bool_], allowed: str, unit: str) -> None:
         values = getattr(self, name)
@@ -109,17 +134,25 @@ class Surface:
         """The same planes, their normals scaled to unit length once more, which rounds their lengths less."""
         again = object.__new__(Surface)  # without the checks, which these planes have passed
         vars(again).update(vars(self))
-        again._normalise(np.abs(self.normal).max(axis=-1))
+        if len(self.normal) == 1:
+            again._normalise_plane()
+        else:
+            again._normalise(np.abs(self.normal).max(axis=-1))
         return again
 
     def quaternions(self) -> Array:
         """Quaternions (n, 4) (w, x, y, z) that rotate the z axis into the normals."""
-        z = self.normal[:, 2]
-        quaternion = np.zeros((len(z), 4))
-        quaternion[:, 0], quaternion[:, 1], quaternion[:, 2] = 1.0 + z, -self.normal[:, 1], self.normal[:, 0]
-        quaternion[z < -1.0 + 1e-12] = (0.0, 1.0, 0.0, 0.0)
-        unit: Array = quaternion / norm(quaternion)[:, None]
-        return unit
+        return quaternions(self.normal)
+
+
+def quaternions(normal: Array) -> Array:
+    """Quaternions (n, 4) (w, x, y, z) that rotate the z axis into unit vectors (n, 3)."""
+    x, y, z = (normal[:, axis] for axis in range(3))
+    down = z < -1.0 + 1e-12
+    columns = [np.where(down, 0.0, 1.0 + z), np.where(down, 1.0, -y), np.where(down, 0.0, x)]
+    quaternion = np.stack([*columns, zeros(z.shape, z)], axis=-1)
+    unit: Array = quaternion / norm(quaternion)[:, None]
+    return unit
 
 
 def friction_reference(inverse_weight: Array) -> Array:
@@ -134,7 +167,7 @@ def friction_reference(inverse_weight: Array) -> Array:
     Source: [M] Computation, Solver parameters.
     """
     damping = _FRICTION_DAMPING * inverse_weight * (1.0 - IMPEDANCE) / IMPEDANCE_RATIO
-    reference = np.zeros((len(damping), 2))
+    reference = zeros((len(damping), 2), damping)
     reference[:, 1] = -damping
     return reference
 
@@ -154,6 +187,6 @@ def solver_reference(stiffness: Array, damping: Array, inverse_weight: Array) ->
         (-K Â (1-d), -D Â (1-d)) give the normal force K depth + D rate.
     """
     scale = -inverse_weight * (1.0 - IMPEDANCE)
-    reference = np.empty((len(scale), 2))
+    reference = zeros((len(scale), 2), scale)
     reference[:, 0], reference[:, 1] = stiffness * scale, damping * scale
     return reference

@@ -9,9 +9,27 @@ from prp_gym.physics.compiled_arm_source import SURFACE, SURFACE_SIZE
 from prp_gym.physics.model_fields import Ids, check_not_negative, check_positive, check_rows
 from prp_gym.physics.surface import Surface
 from prp_gym.robot.arm import PRPArm
-from prp_gym.robot.arrays import Array, dot
+from prp_gym.robot.arrays import Array, dot, zeros
+from prp_gym.symbolic.row_function import RowFunction
 
 _ROWS, _CENTERS, _OFFSETS = "surfaces", "surface centers", "surface offsets"
+
+
+def surface_rows(
+    stiffness: Array, damping: Array, normal: Array, offset: Array, center: Array
+) -> Mapping[str, Array]:
+    """The columns `SURFACE` of n surfaces that are at rest, as `rows` (n, `SURFACE_SIZE`).
+
+    Args:
+        stiffness: Stiffness (n) [N/m].
+        damping: Damping (n) [N s/m].
+        normal: Unit normals (n, 3).
+        offset: Offsets along the normals (n) [m].
+        center: Points that are projected onto the surfaces (n, 3) [m].
+    """
+    gap = offset - dot(normal, center)
+    springs, point = np.stack([stiffness, damping], axis=-1), center + gap[:, None] * normal
+    return {"rows": np.concatenate([springs, point, zeros(point.shape, point), normal], axis=-1)}
 
 
 class Surfaces:
@@ -31,16 +49,15 @@ class Surfaces:
         self._home_tip = PRPArm().forward_kinematics(np.zeros(3))[:3]
         self._centers = np.tile(self._home_tip, (count, 1))
         self._offsets = np.full(count, np.nan)
+        shapes: dict[str, tuple[int, ...]] = {"stiffness": (), "damping": (), "normal": (3,), "offset": ()}
+        self._make_rows = RowFunction("prp_surface_rows", surface_rows, {**shapes, "center": (3,)})
 
     def set(self, ids: Ids, surface: Surface, center: Array | None) -> None:
         """See `ArmSimulation.set_surface`."""
         check_rows("surface", surface.normal, (len(ids), 3))
         self._centers[ids] = self._home_tip if center is None else center
         self._offsets[ids] = surface.offset
-        gap = surface.offset - dot(surface.normal, self._centers[ids])
-        point = self._centers[ids] + gap[:, None] * surface.normal
-        springs = np.stack([surface.stiffness, surface.damping], axis=-1)
-        self.rows[ids] = np.concatenate([springs, point, np.zeros_like(point), surface.normal], axis=-1)
+        self.rows[ids] = self._make_rows(**vars(surface), center=self._centers[ids])["rows"]
 
     def set_springs(self, ids: Ids, stiffness: Array, damping: Array) -> None:
         """See `ArmSimulation.set_springs`."""

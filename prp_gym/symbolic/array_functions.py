@@ -69,6 +69,7 @@ ARRAY_FUNCTIONS: dict[Any, Callable[..., Any]] = {
     np.reshape: _rearranged(np.reshape),
     np.stack: _joined(np.stack),
     np.swapaxes: _rearranged(np.swapaxes),
+    np.transpose: _rearranged(np.transpose),
     np.where: _where,
     np.zeros_like: _zeros_like,
 }

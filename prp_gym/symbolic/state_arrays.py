@@ -32,6 +32,8 @@ class StateArray:
         shape: shape of one environment's part.
         boolean: whether it holds truth values.
         columns: columns of the row.
+        first: order of the array's axes that begins with that of environments.
+        back: order of those axes that gives the array again.
     """
 
     owner: int
@@ -40,6 +42,8 @@ class StateArray:
     shape: tuple[int, ...]
     boolean: bool
     columns: slice
+    first: tuple[int, ...]
+    back: tuple[int, ...]
 
 
 class StateRows:
@@ -61,16 +65,18 @@ class StateRows:
                 values = getattr(owner, name)
                 shape = values.shape[:axis] + values.shape[axis + 1 :]
                 last = self.size + int(np.prod(shape, dtype=np.intp))
-                boolean = values.dtype == np.bool_
-                self.arrays.append(StateArray(index, name, axis, shape, boolean, slice(self.size, last)))
+                boolean, columns = values.dtype == np.bool_, slice(self.size, last)
+                first = (axis, *(other for other in range(values.ndim) if other != axis))
+                back = tuple(first.index(own) for own in range(values.ndim))
+                self.arrays.append(StateArray(index, name, axis, shape, boolean, columns, first, back))
                 self.size = last
 
     def read(self, owners: Sequence[Any]) -> Any:
         """The rows (N, size) of arrays, of numbers or symbolic."""
         parts = []
         for array in self.arrays:
-            values = getattr(owners[array.owner], array.name)
-            moved = np.moveaxis(values.astype(np.float64), array.axis, 0)
+            values = getattr(owners[array.owner], array.name).astype(np.float64)
+            moved = np.transpose(values, array.first) if array.axis else values
             parts.append(moved.reshape((moved.shape[0], -1)))
         return np.concatenate(parts, axis=1) if parts else np.zeros((1, 0))
 
@@ -83,7 +89,7 @@ class StateRows:
         """Replace the arrays by those in rows (N, size), of numbers or symbolic."""
         for array in self.arrays:
             part = rows[:, array.columns].reshape((len(rows), *array.shape))
-            values = np.moveaxis(part, 0, array.axis)
+            values = np.transpose(part, array.back) if array.axis else part
             kept = values.astype(np.bool_) if array.boolean else values.copy()
             setattr(owners[array.owner], array.name, kept)
 

@@ -104,6 +104,7 @@ FORMULAS: dict[str, Callable[[Any, Any], Any]] = {
     "concatenate": lambda x, y: np.concatenate([x, y[:1], TABLE[:, :3]]),
     "concatenate_columns": lambda x, y: np.concatenate((x, y[:, :2]), axis=-1),
     "rearranged": lambda x, y: np.swapaxes(x, 0, 1) + np.moveaxis(y, 0, -1) + x.mT + np.copy(y),
+    "transposed": lambda x, y: np.transpose(x, (1, 0)) - y,
     "diagonal": lambda x, y: np.diagonal(x) * np.diagonal(y, axis1=-2, axis2=-1),
     "reshaped": lambda x, y: x.reshape(-1) + np.reshape(y, 9) + np.expand_dims(x, 0).reshape(9),
     "broadcast": lambda x, y: np.broadcast_to(x[0], (3, 3)) + np.broadcast_arrays(y[:, :1], x)[0],
