@@ -44,7 +44,8 @@ class StoredStudy:
     The first candidate is the centre of the space. Of the others, one in six comes from Optuna's sampler
     (TPE), which looks everywhere and learns from all trials; five are steps from the best one so
     far, since in many dimensions a small budget finds little that is better than gains already good but near
-    them. Two of these five change few of the factors, but by much. The ranges of the factors grow where the best candidate lies at their edge; see `ranges_after`.
+    them. Two of these five change few of the factors, but by much. The ranges of the factors grow where the
+    best candidate lies at their edge; see `ranges_after`.
 
     Candidates come in rounds of four, which are run side by side since that takes little longer than one. The
     proposals of a round depend on the trials before it and on the seed alone: a search that was killed and

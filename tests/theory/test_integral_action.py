@@ -154,9 +154,15 @@ def operational(integral_gain: float) -> Baseline[Any]:
 
 
 def admittance(integral_gain: float) -> Baseline[Any]:
-    frame = {"inertia": 1.0, "damping": 10.0, "stiffness": 20.0}
-    motion = {"proportional_gain": 400.0, "derivative_gain": 20.0, "integral_gain": integral_gain}
-    return AdmittanceController(POSE_INTERFACE, AdmittanceSettings(**frame, **motion))
+    settings = AdmittanceSettings(
+        inertia=1.0,
+        damping=10.0,
+        stiffness=20.0,
+        proportional_gain=400.0,
+        derivative_gain=20.0,
+        integral_gain=integral_gain,
+    )
+    return AdmittanceController(POSE_INTERFACE, settings)
 
 
 @pytest.mark.parametrize("make", [operational, admittance])
