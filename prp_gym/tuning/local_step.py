@@ -49,7 +49,7 @@ def local_step(
         trials: finished trials, at least one.
         rng: random generator of the step.
         few: whether to change one in three of the factors, by steps that do not adapt to the trials: where
-            some factors have to stay as they are, as those of a target that has to be rendered exactly, a step
+            some factors have to stay as they are, as those of a target that must be rendered exactly, a step
             of all shows nothing about the others.
     """
     best = max(trials, key=lambda trial: trial.score)
