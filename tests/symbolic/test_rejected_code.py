@@ -44,7 +44,7 @@ def test_bad_code_is_rejected_with_the_function_and_the_first_errors(folder: Pat
 
 @needs_compiler
 def test_rejected_code_is_no_missing_compiler() -> None:
-    """Else whoever lets NumPy stand in for a missing compiler would never learn of it."""
+    """Else code that lets NumPy stand in for a missing compiler would hide it."""
     assert not issubclass(GeneratedCodeError, CompilerError)
 
 
