@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.envs.core.argument_checks import clip_actions
-from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
+from prp_gym.envs.core.episode_record import EpisodeRecord
 from prp_gym.envs.core.period_parts import TaskConstants
 from prp_gym.envs.core.period_plan import LARGEST_STATE, PeriodPlan, Plan
 from prp_gym.envs.core.period_source import PeriodSource
@@ -16,6 +16,7 @@ from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
+from prp_gym.tasks.episode_totals import EpisodeTotals
 
 
 class CompiledPeriods:

@@ -16,7 +16,7 @@ from prp_gym.envs.config import ERRORS, SUBSTEPS_PER_SECOND, EnvConfig
 from prp_gym.envs.core.actuators import make_actuators
 from prp_gym.envs.core.argument_checks import check_ids, limit_actions
 from prp_gym.envs.core.compiled_run import CompiledPeriods
-from prp_gym.envs.core.episode_record import EpisodeRecord, EpisodeTotals
+from prp_gym.envs.core.episode_record import EpisodeRecord
 from prp_gym.envs.core.loop_state import STATE, LoopState
 from prp_gym.envs.core.period_parts import PeriodParts
 from prp_gym.envs.core.reference_window import ReferenceWindow
@@ -26,6 +26,7 @@ from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import CompilerError, EpisodeError, ShapeError, UntraceableError
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default
+from prp_gym.tasks.episode_totals import EpisodeTotals
 from prp_gym.tasks.setup import COMPILED
 from prp_gym.tasks.task import Task
 
