@@ -64,10 +64,24 @@ def require_compiled_code() -> None:
     """Refuse a machine without compiled code.
 
     Raises:
-        CompilerError: the package brings no libraries along, and no compiler was found.
+        CompilerError: the package brings no libraries along, and no compiler was found, or one that does not
+            work.
     """
-    if not any(PREBUILT.glob("*.so")):
-        find_compiler()
+    if any(PREBUILT.glob("*.so")):
+        return
+    fault = _fault(find_compiler())
+    if fault:
+        raise CompilerError(fault)
+
+
+@cache
+def _fault(command: tuple[str, ...]) -> str:
+    """Why a compiler does not work; empty for one that does."""
+    try:
+        _own(_TRIAL, command)
+    except CompilerError as error:
+        return str(error)
+    return ""
 
 
 def is_turned_off() -> bool:
@@ -117,7 +131,7 @@ def load_library(source: str) -> ctypes.CDLL:
         CompilerError: neither the package's library nor a compiler that works.
         GeneratedCodeError: a source that the compiler rejects.
     """
-    library = _stored(PREBUILT / library_name(source)) or _own(source)
+    library = _stored(PREBUILT / library_name(source)) or _own(source, find_compiler())
     _LOADED.append(source)
     return library
 
@@ -155,16 +169,17 @@ def _stored(path: Path) -> ctypes.CDLL | None:
         return None
 
 
-def _own(source: str) -> ctypes.CDLL:
+def _own(source: str, command: tuple[str, ...]) -> ctypes.CDLL:
     """The library of this machine's compiler, which is put into the cache where there is one."""
-    command = find_compiler()
     path = cache_folder() / library_name(source, command)
     stored = _stored(path)
     if stored is not None:
         return stored
     with tempfile.TemporaryDirectory(prefix="prp_gym-", ignore_cleanup_errors=True) as folder:
         built = _compiled(command, source, Path(folder))
-        library = ctypes.CDLL(str(built))
+        library = _stored(built)
+        if library is None:
+            raise _failure(f"what {command[0]} has compiled cannot be loaded")
         with contextlib.suppress(OSError):  # a cache that cannot be used
             _keep(built, path)
     return library

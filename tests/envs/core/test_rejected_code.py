@@ -1,5 +1,6 @@
 """Generated code that the compiler rejects is an error wherever NumPy stands in for a missing compiler."""
 
+import re
 from collections.abc import Callable, Iterator
 from ctypes import CDLL
 from pathlib import Path
@@ -9,6 +10,8 @@ import gymnasium
 import pytest
 
 import prp_gym
+from prp_gym.cli.compiler_note import note_missing_compiler
+from prp_gym.console.terminal import Terminal
 from prp_gym.errors import CompilerError, GeneratedCodeError
 from prp_gym.symbolic.compiler import load_library
 from prp_gym.tasks.setup import COMPILED, ENGINES, MUJOCO
@@ -100,10 +103,23 @@ def test_nothing_is_compiled_where_that_is_turned_off(module: str, monkeypatch: 
     evaluate(make(engine=MUJOCO))
 
 
+@pytest.mark.parametrize(
+    ("program", "fault"),
+    [
+        ('echo "$*:1:1: error: wrong" >&2; exit 1', "own-compiler failed: .*error: wrong"),
+        ("exit 0", "what .*own-compiler has compiled cannot be loaded"),
+    ],
+)
 def test_compiler_that_does_not_work_is_as_good_as_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    program: str,
+    fault: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    choose_compiler(monkeypatch, tmp_path / "own-compiler", 'echo "$*:1:1: error: wrong" >&2; exit 1')
+    choose_compiler(monkeypatch, tmp_path / "own-compiler", program)
     evaluate(make(engine=MUJOCO))
-    with pytest.raises(CompilerError, match="own-compiler failed"):
+    with pytest.raises(CompilerError, match=fault):
         make(engine=COMPILED)
+    note_missing_compiler(Terminal())
+    assert re.match(f"compiled code needs a C compiler, and .*{fault}", capsys.readouterr().err, re.DOTALL)
