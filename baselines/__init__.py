@@ -5,12 +5,13 @@ from typing import Any
 
 from prp_gym.baselines.adaptive import AdaptiveController, AdaptiveSettings
 from prp_gym.baselines.admittance import AdmittanceController, AdmittanceSettings
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.force_loop import ForceLoopSettings
 from prp_gym.baselines.base.function_controller import FunctionControllerSpec, controller
 from prp_gym.baselines.base.gains import gain_sets, load_gains
 from prp_gym.baselines.base.make import list_baselines, make_baseline, make_controller
 from prp_gym.baselines.base.operational import OperationalBaseline, OperationalStaticBaseline
-from prp_gym.baselines.base.policy import Baseline, ControlInterface, StaticBaseline
+from prp_gym.baselines.base.policy import Baseline, StaticBaseline
 from prp_gym.baselines.base.settings import Settings, Vector
 from prp_gym.baselines.base.spec import CONTROLLERS, ControllerData, ControllerSpec, register_controller
 from prp_gym.baselines.compliance import ComplianceController, ComplianceSettings

@@ -5,9 +5,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.force_sensing import ForceSensingSettings
 from prp_gym.baselines.base.operational import MEASURED_MOTION, ArmState, OperationalBaseline
-from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.policy import ControllerState, Observed
 from prp_gym.baselines.base.settings import Vector
 from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.robot.arrays import Array

@@ -5,7 +5,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from prp_gym.baselines.base.policy import Baseline, ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.control_interface import ControlInterface
+from prp_gym.baselines.base.policy import Baseline, ControllerState, Observed
 from prp_gym.baselines.base.references import JointReference
 from prp_gym.baselines.base.settings import Settings, Vector
 from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller

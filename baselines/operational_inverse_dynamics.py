@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.error_integral import ErrorIntegral
 from prp_gym.baselines.base.operational import OperationalBaseline
-from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.policy import ControllerState, Observed
 from prp_gym.baselines.base.settings import Settings, Vector
 from prp_gym.baselines.base.spec import ControllerData, ControllerSpec, register_controller
 from prp_gym.errors import MissingFieldError

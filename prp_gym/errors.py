@@ -359,7 +359,25 @@ class DataDependentBranchError(UntraceableError):
 
 
 class CompilerError(PRPError, RuntimeError):
-    """Generated code that cannot be compiled on this machine."""
+    """Generated code that cannot be compiled on this machine: the compiler is missing, or does not work."""
+
+
+class GeneratedCodeError(PRPError, RuntimeError):
+    """Generated code that a working compiler rejects.
+
+    NumPy does not stand in for it: it is a defect of the package that generates the code. `function` is empty
+    where the compiler complains of what is outside of functions.
+    """
+
+    def __init__(self, function: str, compiler: str, messages: str) -> None:
+        self.function = function
+        self.compiler = compiler
+        self.messages = messages
+        whose = f" of the function {function!r}" if function else ""
+        super().__init__(
+            f"{compiler} rejects the C code{whose} that prp_gym has generated. This is a defect of prp_gym;"
+            f" please report it with these messages:\n{messages}"
+        )
 
 
 class PortError(PRPError, RuntimeError):

@@ -12,7 +12,7 @@ from prp_gym.tables.column import text_column
 from prp_gym.tables.data_frame import make_frame
 
 if TYPE_CHECKING:
-    from prp_gym.baselines.base.policy import ControlInterface
+    from prp_gym.baselines.base.control_interface import ControlInterface
     from prp_gym.figures.notebook_figure import NotebookFigure
     from prp_gym.tables.data_frame import DataFrame
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prp_gym.baselines.base.approach_speed import ApproachSpeed, FixedSpeed, SpeedForForce, braking_time
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.force_integral import (
     STEADY,
     FixedGains,
@@ -19,7 +20,7 @@ from prp_gym.baselines.base.force_integral import (
 )
 from prp_gym.baselines.base.force_sensing import ForceSensingSettings
 from prp_gym.baselines.base.operational import MEASURED_MOTION, OperationalBaseline
-from prp_gym.baselines.base.policy import ControlInterface, ControllerState, Observed
+from prp_gym.baselines.base.policy import ControllerState, Observed
 from prp_gym.baselines.base.references import PoseReference
 from prp_gym.baselines.base.settings import Vector
 from prp_gym.baselines.base.stiffness_estimator import StiffnessEstimator

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.described import Origin
 from prp_gym.baselines.base.gains import Gains, GainSet, other_sets, read_gains, takes_target_impedance
-from prp_gym.baselines.base.policy import Baseline, ControlInterface
+from prp_gym.baselines.base.policy import Baseline
 from prp_gym.baselines.base.settings import Settings
 from prp_gym.baselines.base.spec import CONTROLLERS, TUNED, ControllerSpec, find_controller
 from prp_gym.checks import instance

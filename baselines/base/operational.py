@@ -4,7 +4,8 @@ from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
-from prp_gym.baselines.base.policy import Baseline, ControlInterface, Observed, StaticBaseline
+from prp_gym.baselines.base.control_interface import ControlInterface
+from prp_gym.baselines.base.policy import Baseline, Observed, StaticBaseline
 from prp_gym.baselines.base.references import PoseReference
 from prp_gym.baselines.base.settings import Settings
 from prp_gym.errors import InvalidValueError

@@ -5,7 +5,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from prp_gym.baselines.base.policy import Model
+from prp_gym.baselines.base.control_interface import Model
 from prp_gym.baselines.predictive.knots import (
     WEIGHTS,
     Knot,

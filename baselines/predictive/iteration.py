@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from prp_gym.baselines.base.policy import Model
+from prp_gym.baselines.base.control_interface import Model
 from prp_gym.baselines.predictive.formulas import (
     KNOTS,
     Motion,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prp_gym.baselines.base.policy import Model
+from prp_gym.baselines.base.control_interface import Model
 from prp_gym.baselines.predictive.box_minimum import box_minimum
 from prp_gym.robot.arrays import Array, apply, apply_transposed, multiply, solve_symmetric, total
 

@@ -16,7 +16,8 @@ from prp_gym.errors import UntraceableError
 from prp_gym.physics.compiled_simulation import CompiledSimulation
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import load_library
-from prp_gym.tasks.episode_record import EpisodeRecord, EpisodeTotals
+from prp_gym.tasks.episode_record import EpisodeRecord
+from prp_gym.tasks.episode_totals import EpisodeTotals
 
 _GIVEN = ("noise", "error", "sampled")
 """What compiled code may be given for every period besides the actions."""

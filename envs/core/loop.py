@@ -23,7 +23,8 @@ from prp_gym.envs.core.step_scoring import StepScoring
 from prp_gym.errors import ShapeError
 from prp_gym.robot.arrays import Array
 from prp_gym.symbolic.compiler import compiles_by_default
-from prp_gym.tasks.episode_record import EpisodeRecord, EpisodeTotals
+from prp_gym.tasks.episode_record import EpisodeRecord
+from prp_gym.tasks.episode_totals import EpisodeTotals
 from prp_gym.tasks.setup import COMPILED
 from prp_gym.tasks.task import Task
 

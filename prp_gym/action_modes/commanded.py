@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.make import make_controller
-from prp_gym.baselines.base.policy import ControlInterface
 from prp_gym.baselines.base.spec import CONTROLLERS
 from prp_gym.envs.action_mode import ActionField, ActionMode, ModeSetup
 from prp_gym.errors import UnknownNameError

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.base.make import list_baselines, make_controller
-from prp_gym.baselines.base.policy import ControlInterface
 from prp_gym.envs.action_mode import ANY_CONTROLLER, ActionField, ActionMode, ModeSetup
 from prp_gym.evaluation.policy_state import PolicyState
 from prp_gym.robot.arrays import Array

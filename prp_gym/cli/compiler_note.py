@@ -1,4 +1,4 @@
-"""What a command says on a machine without compiled code."""
+"""What a command says on a machine without compiled code, or with a compiler that does not work."""
 
 from collections.abc import Sequence
 

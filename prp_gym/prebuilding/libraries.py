@@ -28,7 +28,8 @@ def build_libraries(
         paths of the libraries.
 
     Raises:
-        CompilerError: no compiler, or one that refuses the generated code.
+        CompilerError: no compiler, or one that does not work.
+        GeneratedCodeError: generated code that the compiler rejects.
         OutputError: the folder cannot be made.
     """
     prepare_folder(folder)

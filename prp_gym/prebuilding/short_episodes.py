@@ -29,7 +29,8 @@ def run_short_episodes(environment_id: str, scenario: str) -> None:
         scenario: scenario of the environment.
 
     Raises:
-        CompilerError: no compiler, or one that refuses the generated code.
+        CompilerError: no compiler, or one that does not work.
+        GeneratedCodeError: generated code that the compiler rejects.
         PRPError: a controller that fails.
     """
     with _environment(environment_id, scenario, MUJOCO) as env:

@@ -143,7 +143,9 @@ class SymbolicArray(NDArrayOperatorsMixin):
     def __getitem__(self, key: Any) -> Self:
         keys = key if isinstance(key, tuple) else (key,)
         if any(isinstance(part, SymbolicArray) for part in keys):
-            return self._chosen(keys)
+            from prp_gym.symbolic.unknown_index import elements_at  # a function of this class
+
+            return elements_at(self, keys)
         found = np.empty((), dtype=object)
         if isinstance(taken := self.nodes[key], Node):
             found[()] = taken
@@ -236,31 +238,6 @@ class SymbolicArray(NDArrayOperatorsMixin):
     def _booleans(self) -> Self:
         """Whether the elements differ from zero."""
         return self.map(lambda node: node if node.is_boolean else self.graph.apply(NOT_EQUAL, node, 0.0))
-
-    def _chosen(self, keys: tuple[Any, ...]) -> Self:
-        """The elements at indices of which some are unknown, one for each axis from the first on."""
-        unknown = [axis for axis, part in enumerate(keys) if isinstance(part, SymbolicArray)]
-        if len(unknown) != 1:
-            raise untraceable("an index with several unknown numbers")
-        axis = unknown[0]
-        index, before, count = keys[axis], keys[:axis], self.shape[axis]
-        if any(node.is_boolean for node in index.flat()):
-            raise untraceable("a choice of elements by truth values; write numpy.where: such a choice")
-        if any(part is None or part is Ellipsis or isinstance(part, slice) for part in before):
-            raise untraceable("an unknown index after a slice")
-        shape = np.broadcast_shapes(index.shape, *(np.shape(part) for part in before))
-        index = self._like(np.broadcast_to(index.nodes, shape))
-
-        def taken(position: int) -> Any:
-            return self.nodes[(*keys[:axis], np.full(index.shape, position), *keys[axis + 1 :])]
-
-        result = self._like(taken(0))
-        trailing = (1,) * (result.ndim - index.ndim)
-        wide: Any = index.reshape((*index.shape, *trailing))
-        for position in range(1, count):
-            here = (wide == float(position)) | (wide == float(position - count))
-            result = self._like(elementwise(self.graph, WHERE, here, self._like(taken(position)), result))
-        return result
 
 
 def _is_two(exponent: Any) -> bool:

@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from prp_gym.errors import CompilerError
+from prp_gym.symbolic.diagnostics import FILE_NAME, find_rejection
 
 FLAGS = (
     *("-O2", "-std=c11", "-fPIC", "-shared"),
@@ -27,6 +28,14 @@ PREBUILT = Path(__file__).with_name("prebuilt")
 """The folder of libraries that a wheel for one kind of machine brings along; a source tree has none."""
 
 _SECONDS = 300.0
+_TRIAL = """#include <math.h>
+
+void prp_trial(const double *restrict angle, double *restrict sine)
+{
+    for (int i = 0; i < 2; i++)
+        sine[i] = sin(angle[i]);
+}
+"""  # what a compiler for C11 takes
 _LOADED: list[str] = []
 
 
@@ -55,10 +64,24 @@ def require_compiled_code() -> None:
     """Refuse a machine without compiled code.
 
     Raises:
-        CompilerError: the package brings no libraries along, and no compiler was found.
+        CompilerError: the package brings no libraries along, and no compiler was found, or one that does not
+            work.
     """
-    if not any(PREBUILT.glob("*.so")):
-        find_compiler()
+    if any(PREBUILT.glob("*.so")):
+        return
+    fault = _fault(find_compiler())
+    if fault:
+        raise CompilerError(fault)
+
+
+@cache
+def _fault(command: tuple[str, ...]) -> str:
+    """Why a compiler does not work; empty for one that does."""
+    try:
+        _own(_TRIAL, command)
+    except CompilerError as error:
+        return str(error)
+    return ""
 
 
 def is_turned_off() -> bool:
@@ -105,9 +128,10 @@ def load_library(source: str) -> ctypes.CDLL:
     """The shared library of a C source: that of the package, else that of the cache, else compiled now.
 
     Raises:
-        CompilerError: neither the package's library nor a compiler, or one that refuses the source.
+        CompilerError: neither the package's library nor a compiler that works.
+        GeneratedCodeError: a source that the compiler rejects.
     """
-    library = _stored(PREBUILT / library_name(source)) or _own(source)
+    library = _stored(PREBUILT / library_name(source)) or _own(source, find_compiler())
     _LOADED.append(source)
     return library
 
@@ -128,7 +152,8 @@ def build_library(source: str, folder: Path) -> Path:
         path of the library.
 
     Raises:
-        CompilerError: no compiler, or one that refuses the source.
+        CompilerError: no compiler, or one that does not work.
+        GeneratedCodeError: a source that the compiler rejects.
     """
     path = folder / library_name(source)
     with tempfile.TemporaryDirectory(prefix="prp_gym-", ignore_cleanup_errors=True) as temporary:
@@ -144,16 +169,17 @@ def _stored(path: Path) -> ctypes.CDLL | None:
         return None
 
 
-def _own(source: str) -> ctypes.CDLL:
+def _own(source: str, command: tuple[str, ...]) -> ctypes.CDLL:
     """The library of this machine's compiler, which is put into the cache where there is one."""
-    command = find_compiler()
     path = cache_folder() / library_name(source, command)
     stored = _stored(path)
     if stored is not None:
         return stored
     with tempfile.TemporaryDirectory(prefix="prp_gym-", ignore_cleanup_errors=True) as folder:
         built = _compiled(command, source, Path(folder))
-        library = ctypes.CDLL(str(built))
+        library = _stored(built)
+        if library is None:
+            raise _failure(f"what {command[0]} has compiled cannot be loaded")
         with contextlib.suppress(OSError):  # a cache that cannot be used
             _keep(built, path)
     return library
@@ -161,10 +187,21 @@ def _own(source: str) -> ctypes.CDLL:
 
 def _compiled(command: tuple[str, ...], source: str, folder: Path, *flags: str) -> Path:
     """The library of a source, in a folder for both."""
-    text, built = folder / "generated.c", folder / "built.so"
+    built = folder / "built.so"
+    messages = _compile(command, source, folder / FILE_NAME, built, *flags)
+    if messages is None:
+        return built
+    rejection = find_rejection(command[0], source, messages)
+    if rejection is not None and _compile(command, _TRIAL, folder / "trial.c", folder / "trial.so") is None:
+        raise rejection
+    raise _failure(f"{command[0]} failed: {messages[-500:]}")
+
+
+def _compile(command: tuple[str, ...], source: str, text: Path, built: Path, *flags: str) -> str | None:
+    """Compile a source by way of a file; what the compiler says where it fails, in English."""
     text.write_text(source, encoding="utf-8")
-    _run([*command, *FLAGS, *flags, "-o", str(built), str(text), "-lm"])
-    return built
+    done = _run([*command, *FLAGS, *flags, "-o", str(built), str(text), "-lm"])
+    return None if done.returncode == 0 else done.stderr
 
 
 def _keep(built: Path, path: Path) -> None:
@@ -179,10 +216,17 @@ def _keep(built: Path, path: Path) -> None:
         Path(unfinished).unlink(missing_ok=True)
 
 
-def _run(command: list[str]) -> None:
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "LC_ALL": "C"}
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_SECONDS, check=False)
+        return subprocess.run(
+            command,
+            capture_output=True,
+            env=environment,
+            encoding="utf-8",
+            errors="replace",
+            timeout=_SECONDS,
+            check=False,
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise _failure(f"{command[0]} could not run: {error}") from error
-    if done.returncode != 0:
-        raise _failure(f"{command[0]} refused the generated code: {done.stderr[-500:]}")

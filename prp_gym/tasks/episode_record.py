@@ -9,18 +9,6 @@ from numpy.typing import NDArray
 from prp_gym.robot.arrays import Array
 
 
-class EpisodeTotals(NamedTuple):
-    """What whole episodes of N environments have given.
-
-    Attributes:
-        reward: Sum of the rewards (N), up to the end of the episode [1].
-        ended: See `EpisodeRecord`; nothing is known of an episode with an action that was not finite.
-    """
-
-    reward: Array
-    ended: NDArray[np.intp]
-
-
 class EpisodeRecord(NamedTuple):
     """What happened in whole episodes of N environments.
 

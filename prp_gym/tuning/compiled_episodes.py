@@ -2,36 +2,23 @@
 
 import ctypes
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from prp_gym.errors import CompilerError, UntraceableError
 from prp_gym.evaluation.compiled_batch import begin, runs_compiled
 from prp_gym.evaluation.compiled_controller import CompiledController, CompiledControllers
 from prp_gym.evaluation.rollout import Policy
-from prp_gym.robot.arrays import Array
+from prp_gym.tasks.episode_totals import EpisodeTotals
 from prp_gym.tasks.setup import COMPILED
 
 MakeLoop = Callable[[int], Any]
 
 
-class CompiledTotals(NamedTuple):
-    """What the episodes of a candidate have given.
-
-    Attributes:
-        reward: sum of the rewards (episodes), up to the end of the episode [1].
-        ended: control period (episodes), counted from 1, in which an episode diverged; 0 for none.
-    """
-
-    reward: Array
-    ended: NDArray[np.intp]
-
-
 def run_compiled(
     policies: Sequence[Policy], inner: Any, make_loop: MakeLoop, seeds: Sequence[int]
-) -> dict[int, CompiledTotals]:
+) -> dict[int, EpisodeTotals]:
     """Whole episodes of those policies that compiled code can run.
 
     The gains of a controller are inputs of its compiled function: candidates that differ by their gains alone
@@ -53,7 +40,7 @@ def run_compiled(
         return {}
     _, _, observation = begin(make_loop, seeds)
     groups: dict[int, dict[int, CompiledController]] = {}
-    found: dict[int, CompiledTotals] = {}
+    found: dict[int, EpisodeTotals] = {}
     for index in fitting:
         try:
             controller = CompiledController(policies[index], observation)
@@ -73,7 +60,7 @@ def _address(function: ctypes.c_void_p) -> int:
 
 def _run_group(
     controllers: Sequence[CompiledController], make_loop: MakeLoop, seeds: Sequence[int]
-) -> list[CompiledTotals]:
+) -> list[EpisodeTotals]:
     """What the episodes of each controller have given; empty where compiled code cannot run them."""
     loop, _, observation = begin(make_loop, [*seeds] * len(controllers))
     try:
@@ -83,4 +70,4 @@ def _run_group(
     if totals is None:
         return []
     parts = [np.split(values, len(controllers)) for values in totals]
-    return [CompiledTotals(*own) for own in zip(*parts, strict=True)]
+    return [EpisodeTotals(*own) for own in zip(*parts, strict=True)]

@@ -12,7 +12,8 @@ from prp_gym.evaluation.compiled_batch import begin
 from prp_gym.evaluation.policy_output import check_output, takes_batches
 from prp_gym.evaluation.rollout import Policy, check_environment
 from prp_gym.robot.arrays import Array
-from prp_gym.tuning.compiled_episodes import CompiledTotals, run_compiled
+from prp_gym.tasks.episode_totals import EpisodeTotals
+from prp_gym.tuning.compiled_episodes import run_compiled
 
 
 class EpisodeScores(NamedTuple):
@@ -81,7 +82,7 @@ class Episodes:
             for index in range(len(policies))
         ]
 
-    def _totalled(self, totals: CompiledTotals) -> EpisodeScores:
+    def _totalled(self, totals: EpisodeTotals) -> EpisodeScores:
         """The scores of episodes that compiled code has run, each to its end or its divergence."""
         steps = np.where(totals.ended > 0, totals.ended, self.horizon)
         return EpisodeScores(totals.reward / self.horizon, int(steps.sum()))

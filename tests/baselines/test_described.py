@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from prp_gym import make_baseline
-from prp_gym.baselines.base.policy import ControlInterface
+from prp_gym.baselines.base.control_interface import ControlInterface
 from prp_gym.baselines.joint_pd import JointPDController
 
 

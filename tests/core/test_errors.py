@@ -22,6 +22,7 @@ from prp_gym.errors import (
     ErrorObservationError,
     FolderInUseError,
     GainsFileError,
+    GeneratedCodeError,
     InvalidValueError,
     JointLimitError,
     MissingFieldError,
@@ -66,6 +67,7 @@ WITH_FACTS = [
     PluginError("my_tasks", "no such module", "my_tasks.py", 3),
     UserCodeError("my_controller.py", 12, "ValueError: no gains", "PRP-Force-v0"),
     PolicyOutputError("MyPolicy", "a list", (3,)),
+    GeneratedCodeError("prp_reward", "/usr/bin/cc", "generated.c:3:1: error: expected ';'"),
     PortError("127.0.0.1", 8080, "it is in use"),
     OutputError("results", "read-only file system"),
     MissingPackageError("ray", "ray"),
@@ -135,7 +137,7 @@ def test_code_that_does_not_know_the_package_can_catch_it(error: PRPError) -> No
     assert isinstance(error, PRPError)
     of_a_state = (
         *(CheckpointError, CompilerError, EpisodeError, MissingPackageError, OutputError, PluginError),
-        *(FolderInUseError, PortError, RenderingError, RunFolderError, UserCodeError),
+        *(FolderInUseError, GeneratedCodeError, PortError, RenderingError, RunFolderError, UserCodeError),
     )
     assert isinstance(error, RuntimeError if isinstance(error, of_a_state) else ValueError)
 

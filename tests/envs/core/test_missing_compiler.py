@@ -1,6 +1,5 @@
 """Without a compiler: NumPy computes what the package has no library for, with the same bits."""
 
-import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,9 +11,9 @@ import pytest
 import prp_gym
 from prp_gym.errors import CompilerError
 from prp_gym.symbolic import compiler
-from prp_gym.symbolic.compiler import build_library, find_compiler, load_library
+from prp_gym.symbolic.compiler import build_library
 from prp_gym.tasks.setup import COMPILED, MUJOCO
-from tests.support.compiler import needs_compiler
+from tests.support.compiler import forget_compiler, lose_compiler, needs_compiler
 
 pytestmark = needs_compiler
 
@@ -29,19 +28,7 @@ def libraries(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]
     monkeypatch.setattr(compiler, "PREBUILT", tmp_path)
     monkeypatch.delenv("PRP_GYM_COMPILED", raising=False)
     yield tmp_path
-    forget()
-
-
-def forget() -> None:
-    find_compiler.cache_clear()
-    load_library.cache_clear()
-
-
-def lose_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", "")
-    monkeypatch.delenv("CC", raising=False)
-    monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    forget()
+    forget_compiler()
 
 
 def make(**keywords: Any) -> Any:
