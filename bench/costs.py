@@ -9,13 +9,13 @@ observations of these steps.
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import wraps
 from typing import Any
 
 import gymnasium
 import numpy as np
 
 import prp_gym
+from bench.part_times import PartTimes
 from bench.rounds import ALL_CORES, CONTACT, FREE, Effort
 from bench.single import CONDITIONS, random_actions
 from prp_gym.robot.arrays import Array
@@ -72,29 +72,18 @@ class Parts:
             )
         else:
             self._actions = self._actions[:, 0]
-        self._seconds = {"loop": 0.0, "physics": 0.0}
-        loop = self._env.unwrapped._loop
-        loop.step = self._timed("loop", loop.step)
-        loop.physics.advance = self._timed("physics", loop.physics.advance)
-
-    def _timed(self, part: str, call: Callable[..., Any]) -> Callable[..., Any]:
-        @wraps(call)
-        def timed(*arguments: Any) -> Any:
-            start = time.perf_counter()
-            result = call(*arguments)
-            self._seconds[part] += time.perf_counter() - start
-            return result
-
-        return timed
+        loop, self._times = self._env.unwrapped._loop, PartTimes()
+        self._times.count("loop", loop, "step")
+        self._times.count("physics", loop.physics, "advance")
 
     def measure(self) -> dict[str, float]:
         """Time of each part for a step of one environment [s]."""
         self._env.reset(seed=0)
-        self._seconds = dict.fromkeys(self._seconds, 0.0)
+        self._times.restart()
         seen, start = [], time.perf_counter()
         for index in range(self._steps):
             seen.append(self._env.step(self._actions[index % len(self._actions)])[0])
-        step, (loop, physics) = time.perf_counter() - start, self._seconds.values()
+        step, (loop, physics) = time.perf_counter() - start, self._times.seconds.values()
         controller = self._time_controller(seen)
         parts = {
             "physics": physics,

@@ -2,13 +2,14 @@
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import gymnasium
 
+from bench.engine_training import Training
 from bench.rounds import CONTACT, FREE
 from bench.single import bare_loop, environment_loop, random_actions
 from prp_gym.baselines import CONTROLLERS, list_baselines, make_baseline
@@ -28,7 +29,7 @@ class Program:
     """What a process measures.
 
     Attributes:
-        kind: `single`, `reset`, `vector`, `bare`, `evaluate`, `held`, `gradient` or `scores`.
+        kind: `single`, `reset`, `vector`, `bare`, `evaluate`, `held`, `gradient`, `scores` or `training`.
         environment: environment id.
         engine: engine of the environment; empty for one of another suite.
         scenario: scenario; empty for an environment of another suite.
@@ -44,6 +45,18 @@ class Program:
     without_clock: bool = False
     with_numpy: bool = False
     all_cores: bool = False
+
+
+class Measured(NamedTuple):
+    """What a program has measured.
+
+    Attributes:
+        rate: number of steps, resets or episodes per second.
+        shares: shares of parts in the time; empty unless the program is a training.
+    """
+
+    rate: float
+    shares: Mapping[str, float]
 
 
 def _keywords(program: Program) -> dict[str, Any]:
@@ -145,7 +158,12 @@ def _evaluate(program: Program) -> Callable[[], float]:
     return chunk
 
 
-_KINDS = {
+def _training(program: Program) -> Training:
+    """Rollouts and updates of PPO in contact."""
+    return Training(program.environment, program.engine)
+
+
+_KINDS: dict[str, Callable[[Program], Callable[[], float]]] = {
     "single": _single,
     "reset": _reset,
     "vector": _vector,
@@ -154,11 +172,17 @@ _KINDS = {
     "evaluate": _evaluate,
     "gradient": _gradient,
     "scores": _scores,
+    "training": _training,
 }
 
 
-def measure(program: Program, seconds: float) -> float:
-    """Rate of a program per second, in this process: of processor time, or of a clock with all cores."""
+def measure(program: Program, seconds: float) -> Measured:
+    """Run a program in this process.
+
+    Args:
+        program: what is measured.
+        seconds: least time, of the processor, or of a clock with all cores [s].
+    """
     now = time.perf_counter if program.all_cores else time.process_time
     with clock_reading(False) if program.without_clock else nullcontext():
         chunk = _KINDS[program.kind](program)
@@ -167,7 +191,7 @@ def measure(program: Program, seconds: float) -> float:
         done, start = 0.0, now()
         while (elapsed := now() - start) < seconds:
             done += chunk()
-    return done / elapsed
+    return Measured(done / elapsed, chunk.shares if isinstance(chunk, Training) else {})
 
 
 def surroundings(program: Program) -> dict[str, str]:

@@ -9,7 +9,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from datetime import date
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,7 +19,9 @@ import typer
 
 from bench import machine
 from bench.cores import count_cores
-from bench.engine_programs import FORCE, SIZE, Program, measure, surroundings
+from bench.engine_programs import FORCE, SIZE, Measured, Program, measure, surroundings
+from bench.engine_training import PARTS
+from bench.names import count_text
 from bench.rounds import CONTACT, FREE, REACHER
 from bench.sheets import Sheet, markdown, rich_table
 from prp_gym.artifacts import write_file, write_json
@@ -73,6 +75,19 @@ def comparisons() -> Iterator[Comparison]:
         one, other = (Program(kind, environment, COMPILED) for kind in ("gradient", "scores"))
         what = "scores of 500 periods with their derivatives by all settings, against scores alone"
         yield Comparison(what, one, other, 1.0 / 15.0)
+    for environment in (CONTACT, FORCE):
+        today, mujoco, compiled = trainings(environment)
+        what = "training by PPO, rollout and update, against MuJoCo and NumPy"
+        yield Comparison(what, compiled, today, 4.0)
+        yield Comparison("the same with MuJoCo's physics, against MuJoCo and NumPy", mujoco, today, 0.0)
+
+
+def trainings(environment: str) -> tuple[Program, Program, Program]:
+    """Training in the scenario of the recipes: MuJoCo and NumPy, MuJoCo, the compiled engine."""
+    mujoco, compiled = (
+        Program("training", environment, engine, "realistic") for engine in (MUJOCO, COMPILED)
+    )
+    return replace(mujoco, with_numpy=True), mujoco, compiled
 
 
 def _single() -> Iterator[Comparison]:
@@ -100,8 +115,8 @@ def _vector() -> Iterator[Comparison]:
             yield Comparison(f"step, N = {SIZE}, against bare mj_step {where}", one, bare, 10.0)
 
 
-def _measured(program: Program, seconds: float) -> float:
-    """Rate of a program in a process of its own; bare loops on all cores in one for each core."""
+def _measured(program: Program, seconds: float) -> Measured:
+    """What a program measures in a process of its own; bare loops on all cores in one for each core."""
     command = [sys.executable, "-m", "bench.engines", "--child", json.dumps(asdict(program))]
     count = count_cores() if program.all_cores and program.kind == "bare" else 1
     processes = [
@@ -117,12 +132,14 @@ def _measured(program: Program, seconds: float) -> float:
     for process in processes:
         if process.returncode:
             raise subprocess.CalledProcessError(process.returncode, process.args)
-    return sum(float(output.splitlines()[-1]) for output in outputs)
+    found = [Measured(*json.loads(output.splitlines()[-1])) for output in outputs]
+    return Measured(sum(one.rate for one in found), found[0].shares)
 
 
-def row_of(comparison: Comparison, rates: Mapping[Program, Sequence[float]]) -> dict[str, Any]:
+def row_of(comparison: Comparison, measured: Mapping[Program, Sequence[Measured]]) -> dict[str, Any]:
     """One row of the results."""
-    one, other = np.array(rates[comparison.program]), np.array(rates[comparison.reference])
+    sides = (measured[side] for side in (comparison.program, comparison.reference))
+    one, other = (np.array([found.rate for found in side]) for side in sides)
     ratio = one / other
     return {
         "what": comparison.what,
@@ -134,6 +151,23 @@ def row_of(comparison: Comparison, rates: Mapping[Program, Sequence[float]]) -> 
         "lowest": float(ratio.min()),
         "highest": float(ratio.max()),
         "goal": comparison.goal,
+    }
+
+
+_ENGINES = {MUJOCO: "MuJoCo", COMPILED: "compiled"}
+
+
+def training_row(program: Program, measured: Sequence[Measured]) -> dict[str, Any]:
+    """The shares of one training."""
+    return {
+        "environment": program.environment,
+        "engine": "MuJoCo and NumPy" if program.with_numpy else _ENGINES[program.engine],
+        "rate": float(np.median([found.rate for found in measured])),
+        "shares": {
+            part: float(np.median([found.shares[part] for found in measured]))
+            for part in PARTS
+            if part in measured[0].shares
+        },
     }
 
 
@@ -158,11 +192,25 @@ def sheet(results: Mapping[str, Any]) -> Sheet:
     return Sheet("engines", "ratios of rates", _HEADERS, tuple(map(cells, results["rows"])), texts=3)
 
 
+def training_sheet(results: Mapping[str, Any]) -> Sheet:
+    """The shares of all trainings."""
+    rows = [
+        (
+            *(row["environment"], row["engine"], count_text(row["rate"])),
+            *(f"{100.0 * row['shares'][part]:.0f} %" if part in row["shares"] else "-" for part in PARTS),
+        )
+        for row in results["training"]
+    ]
+    headers = ("environment", "engine", "steps/s", *PARTS)
+    return Sheet("training", "shares of training by PPO", headers, tuple(rows), texts=2)
+
+
 def section(results: Mapping[str, Any]) -> str:
     """The section of the page."""
     about = {name: results["machine"][name] for name in ("processor", "cores")}
     about |= {
         "table": markdown(sheet(results)).rstrip(),
+        "training": markdown(training_sheet(results)).rstrip(),
         "rounds": results["rounds"],
         "date": results["date"],
     }
@@ -187,21 +235,24 @@ def main(
 ) -> None:
     """Compare the engines, print a table, and show it on docs/performance.md if nothing is left out."""
     if child:
-        print(measure(Program(**json.loads(child)), seconds))
+        print(json.dumps(measure(Program(**json.loads(child)), seconds)))
         return
     chosen = [one for one in comparisons() if only in ("", one.program.kind)]
     programs = dict.fromkeys(side for one in chosen for side in (one.program, one.reference))
-    rates: dict[Program, list[float]] = {program: [] for program in programs}
+    measured: dict[Program, list[Measured]] = {program: [] for program in programs}
     for _ in range(rounds):
         for program in programs:
-            rates[program].append(_measured(program, seconds))
+            measured[program].append(_measured(program, seconds))
     results = {
         "rounds": rounds,
         "date": f"{date.today():%-d %B %Y}",
         **machine.describe("python -m bench.engines"),
     }
-    results["rows"] = [row_of(one, rates) for one in chosen]
-    make_console(least=_WIDTH).print(rich_table(sheet(results)))
+    results["rows"] = [row_of(one, measured) for one in chosen]
+    trained = [one for environment in (CONTACT, FORCE) for one in trainings(environment) if one in measured]
+    results["training"] = [training_row(one, measured[one]) for one in trained]
+    for table in (sheet(results), *([training_sheet(results)] if trained else [])):
+        make_console(least=_WIDTH).print(rich_table(table))
     if not only:
         write_json(STORED, results)
         write_section(results, _PAGE)

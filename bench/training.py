@@ -1,9 +1,7 @@
 """Steps per second at which Stable-Baselines3 trains, and the shares of its time."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import wraps
 from typing import Any
 
 import gymnasium
@@ -13,6 +11,7 @@ from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.env_util import make_vec_env
 
 import prp_gym
+from bench.part_times import PartTimes, shares
 from bench.rounds import ALL_CORES, FREE, LARGE_PPO, REACHER, Contender, Effort, Label
 from bench.single import FREQUENCIES, REACHER_FREQUENCY, keywords
 
@@ -57,36 +56,19 @@ class Shares:
         model: Model whose calls are timed from now on.
 
     Attributes:
-        seconds: Time of each part since the start [s].
         total: Time of all training since the start [s].
     """
 
     def __init__(self, model: BaseAlgorithm) -> None:
-        self.seconds = {"train": 0.0, "env_step": 0.0, "policy": 0.0}
+        self._times = PartTimes()
         self.total = 0.0
-        policy = "forward" if isinstance(model, PPO) else "predict"
-        for part, owner, name in (
-            ("train", model, "train"),
-            ("env_step", model.env, "step"),
-            ("policy", model.policy, policy),
-        ):
-            setattr(owner, name, self._timed(part, getattr(owner, name)))
-
-    def _timed(self, part: str, call: Callable[..., Any]) -> Callable[..., Any]:
-        @wraps(call)
-        def timed(*arguments: Any, **settings: Any) -> Any:
-            start = time.perf_counter()
-            try:
-                return call(*arguments, **settings)
-            finally:
-                self.seconds[part] += time.perf_counter() - start
-
-        return timed
+        self._times.count("train", model, "train")
+        self._times.count("env_step", model.env, "step")
+        self._times.count("policy", model.policy, "forward" if isinstance(model, PPO) else "predict")
 
     def describe(self) -> dict[str, float]:
         """Shares of the time; `other` is the rest."""
-        shares = {part: seconds / self.total for part, seconds in self.seconds.items()}
-        return {**shares, "other": 1.0 - sum(shares.values())}
+        return shares(self._times.seconds, self.total)
 
 
 def make_model(recipe: Recipe, label: Label, duration: float) -> BaseAlgorithm:
@@ -110,17 +92,17 @@ def contender(recipe: Recipe, label: Label, effort: Effort) -> tuple[Contender, 
     model = make_model(recipe, label, effort.duration)
     steps = max(1, round(recipe.steps * effort.training_scale))
     model.learn(max(steps, 2 * getattr(model, "learning_starts", 0)))
-    shares = Shares(model)
+    found = Shares(model)
 
     def rate(seconds: float) -> float:
         before, start = model.num_timesteps, time.perf_counter()
         model.learn(steps, reset_num_timesteps=False)
         elapsed = time.perf_counter() - start
-        shares.total += elapsed
+        found.total += elapsed
         return (model.num_timesteps - before) / elapsed
 
     env: Any = model.env
-    return Contender(label, rate, env.close), shares
+    return Contender(label, rate, env.close), found
 
 
 def labels(recipe: Recipe, num_envs: int) -> list[Label]:
@@ -138,4 +120,4 @@ def contenders(recipe: Recipe, effort: Effort) -> tuple[list[Contender], dict[La
     torch.set_num_threads(1)
     count = min(recipe.num_envs, effort.library_size)
     made = [contender(recipe, label, effort) for label in labels(recipe, count)]
-    return [one for one, _ in made], {one.label: shares for one, shares in made}
+    return [one for one, _ in made], {one.label: found for one, found in made}
