@@ -73,7 +73,7 @@ class TaringUntilContact(Taring):
     what a slowly growing contact force adds, until it is seen, is dropped.
 
     The error of b̂ is common to all readings, and large after few of them: before as many have been counted as
-    are held back, nothing is added up, and a touch is a single reading above 6.8 σ (1 + 1/count)^½.
+    are held back, three standard errors of b̂, 3 σ count^-½, are subtracted from |f| too.
 
     A first reading above the largest bias is a touch, and nothing is subtracted. A contact force that acts
     from the first reading on and is below that cannot be told from a bias, and is subtracted.
@@ -96,6 +96,7 @@ class TaringUntilContact(Taring):
     arrays: ClassVar[int] = 1
     allowance: ClassVar[float] = 2.8
     decision: ClassVar[float] = 4.0
+    certainty: ClassVar[float] = 3.0
 
     def begin(self, shape: tuple[int, ...]) -> Memory:
         """See `Taring.begin`: no reading, no touch."""
@@ -109,9 +110,8 @@ class TaringUntilContact(Taring):
         force = np.where(first, 0.0, reading - after[..., _TARE])
         size = norm(force)[..., None]
         spread = self.noise * np.sqrt(1.0 + 1.0 / np.maximum(count, 1.0))
-        excess = np.maximum(0.0, after[..., _EXCESS] + size - self.allowance * spread)
-        single = size > (self.allowance + self.decision) * spread
-        excess = np.where((count >= self.held_back) | single, excess, 0.0)
+        common = np.where(count < self.held_back, self.certainty / np.sqrt(np.maximum(count, 1.0)), 0.0)
+        excess = np.maximum(0.0, after[..., _EXCESS] + size - self.allowance * spread - common * self.noise)
         seen = ~touched & ((excess > self.decision * spread) | ((count == 0.0) & ~first))
         touched |= seen
         self._learn(after, reading, excess, touched)
@@ -168,8 +168,6 @@ class TaringWheneverFree(TaringUntilContact):
     """
 
     least_stiffness: float = 50.0
-
-    certainty: ClassVar[float] = 3.0
 
     def _released(self, memory: Array, reading: Array, tip: Array) -> Array:
         """A copy of the memory, empty where the tip has left the surface."""
