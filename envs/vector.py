@@ -11,7 +11,6 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from prp_gym.checks import as_numbers, whole
-from prp_gym.envs.config import RENDER_MODES, parse_keywords
 from prp_gym.envs.core.step import Step
 from prp_gym.envs.generators import Generators, Seeds
 from prp_gym.envs.loop_environment import LoopEnvironment
@@ -24,7 +23,13 @@ from prp_gym.envs.vector_info import (
     final_info,
     masked_info,
 )
-from prp_gym.envs.vector_keywords import MOST_ENVIRONMENTS, OWN_KEYWORDS, parse_mode, parse_threads
+from prp_gym.envs.vector_keywords import (
+    FRAME_MODES,
+    MOST_ENVIRONMENTS,
+    parse_config,
+    parse_mode,
+    parse_threads,
+)
 from prp_gym.envs.view import EnvironmentView
 from prp_gym.errors import EpisodeError, InvalidValueError, ShapeError
 from prp_gym.robot.arrays import Array
@@ -69,12 +74,8 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
         **keywords: object,
     ) -> None:
         self.task_spec = TASKS.find(task)
-        self.config, self.options = parse_keywords(keywords, self.task_spec.entry.options, OWN_KEYWORDS)
-        if max_episode_steps is not None:
-            self.config = self.config.at_most(whole("max_episode_steps", max_episode_steps, 1))
-        if self.config.render_mode == "human":
-            modes = ", ".join(mode for mode in RENDER_MODES if mode != "human")
-            raise InvalidValueError("render_mode of many environments", "human", f"{modes} or None")
+        own_options = self.task_spec.entry.options
+        self.config, self.options = parse_config(keywords, own_options, max_episode_steps)
         self.num_envs = whole("num_envs", num_envs, 1, MOST_ENVIRONMENTS)
         threads = parse_threads(num_threads, self.num_envs)
         self.autoreset_mode = parse_mode(autoreset_mode)
@@ -86,9 +87,8 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
 
     def _describe(self) -> None:
         """Set the attributes that Gymnasium expects."""
-        modes = [mode for mode in RENDER_MODES if mode != "human"]
         self.metadata = {
-            "render_modes": modes,
+            "render_modes": list(FRAME_MODES),
             "render_fps": self.render_fps,
             "autoreset_mode": self.autoreset_mode,
         }
@@ -301,10 +301,7 @@ class PRPVectorEnv(LoopEnvironment, gymnasium.vector.VectorEnv[Array, NDArray[An
                 "saved state", type(state).__name__, "a VectorState, from get_state of such an environment"
             )
         self.require_same(state.environments)
-        ended = checked_ended(state.ended, self.num_envs)
-        if self.autoreset_mode is AutoresetMode.SAME_STEP and ended.any():
-            which = np.flatnonzero(ended).tolist()
-            raise InvalidValueError("saved state's ended environments", which, "none with SameStep autoreset")
+        ended = checked_ended(state.ended, self.num_envs, self.autoreset_mode)
         observation = self.restore(state.environments, self.np_random)
         self._ended = ended.copy()
         return observation

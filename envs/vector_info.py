@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from prp_gym.errors import InvalidValueError, ShapeError
@@ -38,14 +39,18 @@ def checked_mask(mask: object, num_envs: int, started: bool) -> Mask:
     return values
 
 
-def checked_ended(ended: object, num_envs: int) -> Mask:
+def checked_ended(ended: object, num_envs: int, mode: AutoresetMode) -> Mask:
     """Validate which environments of a saved state wait for their reset (N).
 
     Raises:
-        InvalidValueError: anything but an array of N truth values.
+        InvalidValueError: anything but an array of N truth values; an environment that waits in mode
+            `SameStep`, where none does.
     """
     if not isinstance(ended, np.ndarray) or ended.dtype != np.bool_ or ended.shape != (num_envs,):
         raise InvalidValueError("saved state's ended environments", ended, f"truth values ({num_envs},)")
+    if mode is AutoresetMode.SAME_STEP and ended.any():
+        which = np.flatnonzero(ended).tolist()
+        raise InvalidValueError("saved state's ended environments", which, "none with SameStep autoreset")
     return ended
 
 

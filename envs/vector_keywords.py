@@ -1,16 +1,44 @@
 """The keywords of vector environments beside those of the single environment."""
 
 import os
+from collections.abc import Mapping
 
 from gymnasium.vector import AutoresetMode
 
 from prp_gym.checks import choice, whole
+from prp_gym.envs.config import RENDER_MODES, EnvConfig, OptionsT, parse_keywords
+from prp_gym.errors import InvalidValueError
 
-OWN_KEYWORDS = frozenset(("num_threads", "autoreset_mode", "max_episode_steps"))
+_OWN_KEYWORDS = frozenset(("num_threads", "autoreset_mode", "max_episode_steps"))
+
+FRAME_MODES = tuple(mode for mode in RENDER_MODES if mode != "human")
+"""Render modes of many environments, which have no window."""
 
 MOST_ENVIRONMENTS = 100_000
 _MOST_THREADS = 1024
 _ENVIRONMENTS_PER_THREAD = 4  # with fewer, waking a thread takes longer than it saves
+
+
+def parse_config(
+    keywords: Mapping[str, object], options: type[OptionsT], max_episode_steps: int | None
+) -> tuple[EnvConfig, OptionsT]:
+    """The common keywords of N environments, and the task's own ones.
+
+    Args:
+        keywords: Keywords of the single environment.
+        options: Class of the task's own keywords.
+        max_episode_steps: Largest number of steps in an episode; None leaves the `duration` alone.
+
+    Raises:
+        PRPError: a keyword that does not exist or a value that is not allowed.
+    """
+    config, own = parse_keywords(keywords, options, _OWN_KEYWORDS)
+    if max_episode_steps is not None:
+        config = config.at_most(whole("max_episode_steps", max_episode_steps, 1))
+    if config.render_mode == "human":
+        allowed = f"{', '.join(FRAME_MODES)} or None"
+        raise InvalidValueError("render_mode of many environments", config.render_mode, allowed)
+    return config, own
 
 
 def parse_mode(mode: AutoresetMode | str) -> AutoresetMode:
