@@ -1,9 +1,9 @@
 """Cost of the parts of a step, and of a reset.
 
 The parts are timed within the same steps: the call that advances the physics, the step of the loop of
-environments that contains it (`EpisodeLoop.step`), and the step of the environment as users have it. The
-own cost of a part is its time without that of the part that it contains. Controllers are timed on the
-observations of these steps.
+environments that contains it (`EpisodeLoop.step`, `step_alone`), and the step of the environment as users
+have it. The own cost of a part is its time without that of the part that it contains. Controllers are timed
+on the observations of these steps.
 """
 
 import time
@@ -74,6 +74,7 @@ class Parts:
             self._actions = self._actions[:, 0]
         loop, self._times = self._env.unwrapped._loop, PartTimes()
         self._times.count("loop", loop, "step")
+        self._times.count("loop", loop, "step_alone")  # of a single environment, in place of `step`
         self._times.count("physics", loop.physics, "advance")
 
     def measure(self) -> dict[str, float]:

@@ -19,7 +19,7 @@ SLIDE_POSITIONS = (-0.2, -0.15, -0.1)  # of the slide at the first touch [m]
 POSES = ((0.0, 0.0), (-1.9, 1.1), (2.4, -0.7))  # q_1 and q_3 [rad]
 DEPTH = 0.05
 SPRINGS = {
-    "compliance": ("PRP-Compliance-v0", 50.0, 3.0),
+    "compliance": ("PRP-Compliance-v0", 50.0, 5.0),
     # on the stiffest surface the target mass rings with a time constant of 0.7 s
     "impedance": ("PRP-Impedance-v0", 50.0, 7.0),
     "admittance": ("PRP-Admittance-v0", 20.0, 4.0),

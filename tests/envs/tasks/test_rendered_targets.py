@@ -45,6 +45,13 @@ def keywords_of(environment_id: str) -> dict[str, Any]:
     return {f"target_{name}": AXES[name].tolist() for name in names_of(environment_id)}
 
 
+def numbers_of(controller: str, gains: str, environment_id: str) -> dict[str, Any]:
+    """A gain set with the defaults of the settings that it does not name."""
+    declared = fields(BASELINES[controller].settings_class)
+    defaults = {entry.name: entry.default for entry in declared if entry.default is not MISSING}
+    return {**defaults, **load_gains(controller, gains, environment_id)}
+
+
 def settings_of(controller: str, environment_id: str, gains: str, rate: int = 500, **overrides: Any) -> Any:
     """Settings of a controller on a task whose target keywords are `AXES`."""
     with closing(make(environment_id, control_frequency=rate, **keywords_of(environment_id))) as env:
@@ -90,7 +97,7 @@ def test_tuned_controller_renders_the_target_impedance(
     controller: str, environment_id: str, gains: str
 ) -> None:
     settings = settings_of(controller, environment_id, gains, RATE[gains])
-    numbers = load_gains(controller, gains, environment_id)
+    numbers = numbers_of(controller, gains, environment_id)
     factors = numbers.get("target_factor", {})
     rendered = set(TAKEN[controller]) & set(names_of(environment_id))
     assert rendered
@@ -110,7 +117,7 @@ def test_other_gain_sets_keep_their_own_numbers(controller: str, environment_id:
     for gains in others:
         settings, numbers = (
             settings_of(controller, environment_id, gains),
-            load_gains(controller, gains, environment_id),
+            numbers_of(controller, gains, environment_id),
         )
         for name in settings.vectors:
             np.testing.assert_array_equal(getattr(settings, name), np.broadcast_to(numbers[name], 6))
