@@ -29,15 +29,11 @@ class SinglePeriod(ABC):
     What takes the time of such a step is not the simulation but the calls around it, so that there are few.
 
     Args:
-        library: Compiled code of the periods.
-        address: Address of their plan.
         arrays: Arrays to which the plan points, by name.
         substeps: Number of time steps in a control period.
     """
 
-    def __init__(
-        self, library: ctypes.CDLL, address: Any, arrays: Mapping[str, NDArray[Any]], substeps: int
-    ) -> None:
+    def __init__(self, arrays: Mapping[str, NDArray[Any]], substeps: int) -> None:
         self._substeps = substeps
         self._action, self._observation = arrays["action"][0], arrays["observation"][0]
         self._reward, self._info = arrays["reward"], arrays["info"][0]
@@ -77,7 +73,7 @@ class SingleCompiledPeriod(SinglePeriod):
         substeps: int,
         world: CompiledWorld,
     ) -> None:
-        super().__init__(library, address, arrays, substeps)
+        super().__init__(arrays, substeps)
         self._run, self._world = partial(library.prp_run_one, address), world
 
     def advance(self, action: NDArray[Any]) -> int:
@@ -107,7 +103,7 @@ class SingleMujocoPeriod(SinglePeriod):
         substeps: int,
         physics: BatchSimulation,
     ) -> None:
-        super().__init__(library, address, arrays, substeps)
+        super().__init__(arrays, substeps)
         self._command = partial(library.prp_command_one, address)
         self._judge, self._address = library.prp_score_one, address
         self._physics, self._torque = physics, arrays["torque"]
