@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from prp_gym.robot.arrays import Array
+from prp_gym.robot.arrays import Array, dot, norm
 from prp_gym.tasks.settling.criterion import Fields, SettlingCriterion
 
 _STANDSTILL = 1e-6  # of the largest displacement within a sample; a smaller one is rounding
@@ -69,9 +69,9 @@ class MotionSettling(SettlingCriterion):
         if not self.before_reversals:
             return ()
         steps = np.diff(self.reference(fields) / np.array(self.centimetre), axis=0)
-        lengths = np.sqrt((steps**2).sum(axis=-1))
+        lengths = norm(steps)
         moves = np.flatnonzero(lengths > _STANDSTILL * lengths.max(initial=0.0))
-        opposed = (steps[moves[:-1]] * steps[moves[1:]]).sum(axis=-1) < 0.0
+        opposed = dot(steps[moves[:-1]], steps[moves[1:]]) < 0.0
         return tuple(moves[1:][opposed].tolist())
 
     def reference(self, fields: Fields) -> Array:
